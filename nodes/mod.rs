@@ -1,0 +1,81 @@
+//! The registry: every node kind, one line each, in folders by family.
+//!
+//! A line `family { file: Struct }` declares the module `nodes/family/file.rs` and registers its kind under the
+//! name of the file.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use crate::node::Kind;
+use crate::params::did_you_mean;
+
+macro_rules! registry {
+    ($($(#[$doc:meta])* $family:ident { $($file:ident : $kind:ident),* $(,)? })+) => {
+        $($(#[$doc])* pub mod $family {
+            $(pub mod $file;)*
+        })+
+        static STANDARD: LazyLock<Vec<Kind>> = LazyLock::new(|| vec![
+            $($(Kind::of::<$family::$file::$kind>(stringify!($family), stringify!($file)),)*)+
+        ]);
+    };
+}
+
+registry! {
+    /// Makes fields from nothing.
+    generate {
+        constant: Constant,
+    }
+
+    /// Reads height files.
+    files {
+    }
+
+    /// Puts two fields together.
+    blend {
+    }
+
+    /// Changes a field.
+    filter {
+    }
+
+    /// Finds places by height, slope, direction or form, and shows them.
+    select {
+    }
+}
+
+/// The kinds that a graph may use.
+#[derive(Clone, Debug)]
+pub struct Registry(BTreeMap<&'static str, &'static Kind>);
+
+impl Registry {
+    /// The kinds of this program.
+    pub fn standard() -> Self {
+        Self::of(STANDARD.iter())
+    }
+
+    /// A registry of some kinds; of two with one name the later stays.
+    pub fn of(kinds: impl IntoIterator<Item = &'static Kind>) -> Self {
+        Self(kinds.into_iter().map(|k| (k.id, k)).collect())
+    }
+
+    /// This registry and some kinds more.
+    pub fn with(mut self, kinds: impl IntoIterator<Item = &'static Kind>) -> Self {
+        self.0.extend(kinds.into_iter().map(|k| (k.id, k)));
+        self
+    }
+
+    /// The kind of a name.
+    pub fn find(&self, id: &str) -> Option<&'static Kind> {
+        self.0.get(id).copied()
+    }
+
+    /// All kinds, by name.
+    pub fn iter(&self) -> impl Iterator<Item = &'static Kind> {
+        self.0.values().copied()
+    }
+
+    /// "; did you mean `x`?" for the kind of the nearest name, or nothing when none is near.
+    pub fn suggest(&self, id: &str) -> String {
+        did_you_mean(id, self.0.keys().copied())
+    }
+}

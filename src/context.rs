@@ -1,0 +1,227 @@
+//! What a running node may ask of the engine.
+
+use std::any::Any;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+use rayon::prelude::*;
+
+use crate::node::{Error, Reads, Result, Summary};
+use crate::units::{FilePath, Seed};
+use crate::value::{Grid, Quantity, Raster, Sample, Terrain};
+
+/// A switch that stops work: cheap to clone, all clones are one switch.
+#[derive(Clone, Debug, Default)]
+pub struct Cancel(Arc<AtomicBool>);
+
+impl Cancel {
+    /// Asks the work to stop.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it was asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// # Errors
+    /// [`Error::Cancelled`] when the work was asked to stop.
+    pub fn check(&self) -> Result<()> {
+        if self.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+    }
+}
+
+/// A file that a node reads, whole in memory, with its decoded form once somebody asked for it.
+pub struct SourceFile {
+    /// The name as the graph wrote it.
+    pub name: String,
+    /// The content.
+    pub bytes: Vec<u8>,
+    /// BLAKE3 of the content.
+    pub hash: [u8; 32],
+    decoded: Mutex<Option<Arc<dyn Any + Send + Sync>>>,
+}
+
+impl SourceFile {
+    /// Wraps the content of a file.
+    pub fn new(name: String, bytes: Vec<u8>) -> Self {
+        let hash = *blake3::hash(&bytes).as_bytes();
+        Self { name, bytes, hash, decoded: Mutex::new(None) }
+    }
+
+    /// The decoded content; `decode` runs once for each type however many tiles ask.
+    ///
+    /// # Errors
+    /// Those of `decode`.
+    pub fn decoded<T: Send + Sync + 'static>(
+        &self,
+        decode: impl FnOnce(&Self) -> Result<T>,
+    ) -> Result<Arc<T>> {
+        let mut slot = self.decoded.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(found) = slot.clone().and_then(|any| any.downcast::<T>().ok()) {
+            return Ok(found);
+        }
+        let fresh = Arc::new(decode(self)?);
+        *slot = Some(fresh.clone());
+        Ok(fresh)
+    }
+}
+
+/// What a running node may ask of the engine: grid, terrain, seed, files, progress, cancellation.
+///
+/// A node that asks for something its [`Meta`](crate::node::Meta) does not declare gets an error, since the key of
+/// its result would not depend on it.
+#[derive(Clone, Copy)]
+pub struct Context<'a> {
+    /// The grid of the asked-for outputs.
+    pub grid: Grid,
+    /// What the kind declared to read.
+    pub reads: Reads,
+    /// The world; nodes ask [`terrain`](Self::terrain).
+    pub world: &'a Terrain,
+    /// The statistic of the whole; nodes ask [`summary`](Self::summary).
+    pub whole: Option<&'a Summary>,
+    /// The files the node named; nodes ask [`file`](Self::file).
+    pub files: &'a [Arc<SourceFile>],
+    /// Asked inside loops.
+    pub cancel: &'a Cancel,
+    /// Told the finished share, 0 to 1.
+    pub progress: &'a (dyn Fn(f32) + Sync),
+    /// The part of the whole work that this context stands for.
+    pub share: (f32, f32),
+}
+
+/// A row that [`Context::fill`] asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Index in the window, from 0.
+    pub j: usize,
+    /// Row of the lattice.
+    pub row: i64,
+    /// South coordinate, in metres.
+    pub y: f64,
+}
+
+impl<'a> Context<'a> {
+    /// A context on a grid with nothing declared, for tests and benches of single nodes.
+    pub fn bare(grid: Grid, world: &'a Terrain, cancel: &'a Cancel) -> Self {
+        let reads = Reads::ALL;
+        Self { grid, reads, world, whole: None, files: &[], cancel, progress: &|_| (), share: (0.0, 1.0) }
+    }
+
+    /// Extent, sea level and base grid of the terrain.
+    ///
+    /// # Errors
+    /// When the kind did not declare [`Reads::TERRAIN`].
+    pub fn terrain(&self) -> Result<&'a Terrain> {
+        self.declared(Reads::TERRAIN, "TERRAIN").map(|()| self.world)
+    }
+
+    /// Distance between samples of the base grid, in metres: the scale of derivatives where none is given.
+    ///
+    /// # Errors
+    /// When the kind declared neither [`Reads::BASE`] nor [`Reads::TERRAIN`].
+    pub fn base_cell(&self) -> Result<f64> {
+        self.declared(Reads::BASE, "BASE").map(|()| self.world.base_cell())
+    }
+
+    /// The node's seed mixed with the graph's.
+    ///
+    /// # Errors
+    /// When the kind did not declare [`Reads::SEED`].
+    pub fn seed(&self, node: Seed) -> Result<u64> {
+        self.declared(Reads::SEED, "SEED")?;
+        Ok(crate::kit::hash::mix(u64::from(self.world.seed) << 32 | u64::from(node.0)))
+    }
+
+    /// The statistic that the kind's summary computed on the base grid.
+    ///
+    /// # Errors
+    /// When the node asked for no summary.
+    pub fn summary(&self) -> Result<&'a Summary> {
+        self.whole.ok_or(Error::Undeclared { what: "summary" })
+    }
+
+    /// A file that the node listed in [`Node::files`](crate::node::Node::files); `None` for an optional one that
+    /// is not there.
+    pub fn file(&self, name: &FilePath) -> Option<&'a Arc<SourceFile>> {
+        self.files.iter().find(|f| f.name == name.0)
+    }
+
+    /// # Errors
+    /// [`Error::Cancelled`] when the work was asked to stop.
+    pub fn check(&self) -> Result<()> {
+        self.cancel.check()
+    }
+
+    /// Reports the finished share of this context's work, 0 to 1.
+    pub fn report(&self, done: f32) {
+        let (from, to) = self.share;
+        (self.progress)(from + (to - from) * done.clamp(0.0, 1.0));
+    }
+
+    /// A context for the part of the work from one share to another: two passes use `stage(0.0, 0.5)` and
+    /// `stage(0.5, 1.0)`.
+    pub fn stage(&self, from: f32, to: f32) -> Self {
+        let (a, b) = self.share;
+        Self { share: (a + (b - a) * from, a + (b - a) * to), ..*self }
+    }
+
+    /// Fills a raster on the context's grid, rows in parallel, with progress and cancellation.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] when the work was asked to stop.
+    pub fn fill<T: Sample>(&self, quantity: Quantity, f: impl Fn(Row, &mut [T]) + Sync) -> Result<Raster<T>> {
+        self.fill_on(self.grid, quantity, f)
+    }
+
+    /// Fills a raster on another grid, rows in parallel, with progress and cancellation.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] when the work was asked to stop.
+    pub fn fill_on<T: Sample>(
+        &self,
+        grid: Grid,
+        quantity: Quantity,
+        f: impl Fn(Row, &mut [T]) + Sync,
+    ) -> Result<Raster<T>> {
+        let mut data = vec![T::default(); grid.len()];
+        let done = AtomicUsize::new(0);
+        // Rows go out in bands of about 16 k samples: large enough to hide the scheduling, small enough to stop soon.
+        let band = (1 << 14) / grid.cols.max(1) + 1;
+        data.par_chunks_mut(grid.cols.max(1) * band).enumerate().try_for_each(|(b, rows)| {
+            self.check()?;
+            for (i, out) in rows.chunks_mut(grid.cols).enumerate() {
+                let j = b * band + i;
+                f(Row { j, row: grid.row + j as i64, y: grid.y(j) }, out);
+            }
+            let finished = done.fetch_add(band, Ordering::Relaxed) + band;
+            self.report(finished as f32 / grid.rows as f32);
+            Ok(())
+        })?;
+        Ok(Raster::new(grid, quantity, data))
+    }
+
+    /// Applies a function to every sample of the context's grid; the input may be a larger window.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] when the work was asked to stop.
+    pub fn map<S: Sample, T: Sample>(
+        &self,
+        input: &Raster<S>,
+        quantity: Quantity,
+        f: impl Fn(S) -> T + Sync,
+    ) -> Result<Raster<T>> {
+        let input = input.crop(&self.grid);
+        self.fill(quantity, |row, out| {
+            for (o, &x) in out.iter_mut().zip(input.row(row.j)) {
+                *o = f(x);
+            }
+        })
+    }
+
+    fn declared(&self, what: Reads, name: &'static str) -> Result<()> {
+        if self.reads.has(what) { Ok(()) } else { Err(Error::Undeclared { what: name }) }
+    }
+}

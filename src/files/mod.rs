@@ -1,0 +1,1 @@
+//! Readers and writers of height and picture files.

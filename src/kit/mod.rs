@@ -1,0 +1,3 @@
+//! Numerics that several nodes share.
+
+pub mod hash;

@@ -1,0 +1,3 @@
+//! The `orograph` program: hands over to the command line.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! Shaded pictures of terrain, on the CPU.

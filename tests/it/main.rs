@@ -1,0 +1,10 @@
+//! All integration tests, in one binary.
+
+mod engine;
+mod files;
+mod filters;
+mod generate;
+mod graph;
+mod laws;
+mod render;
+mod select;
