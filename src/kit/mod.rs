@@ -1,3 +1,4 @@
 //! Numerics that several nodes share.
 
 pub mod hash;
+pub mod spline;
