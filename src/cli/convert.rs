@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::exit::{Exit, Stop};
-use crate::files::{Encoding, FileJob, Format, Limits, encode_file, read_height_as, sidecar_name, write_atomic};
+use crate::files::{
+    Encoding, FileJob, Format, Limits, encode_file, read_height_as, sidecar_name, write_atomic,
+};
 use crate::node::Cancel;
 
 #[derive(Debug, clap::Args)]
@@ -45,14 +47,16 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     let format = args.format.or_else(|| Format::of_name(&name));
     let format = format.ok_or_else(|| Stop::usage(format!("`{name}` names no format; say --format")))?;
     let range = args.range.as_deref().map(range).transpose()?;
-    let same = |a: &Path, b: &Path| a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b);
+    let same =
+        |a: &Path, b: &Path| a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b);
     if same(&args.input, &args.output) {
         return Err(Stop::usage("the input is never overwritten; name another output"));
     }
     if args.output.symlink_metadata().is_ok() && !args.overwrite {
         return Err(Stop::usage(format!("{} is there already; say --overwrite", args.output.display())));
     }
-    let bytes = std::fs::read(&args.input).map_err(|e| Stop::new(Exit::Input, format!("cannot read {input}: {e}")))?;
+    let bytes = std::fs::read(&args.input)
+        .map_err(|e| Stop::new(Exit::Input, format!("cannot read {input}: {e}")))?;
     let sidecar = std::fs::read(sidecar_name(&input)).ok();
     let encoding = if args.terrarium { Encoding::Terrarium } else { Encoding::Auto };
     let mut file = read_height_as(&input, &bytes, sidecar.as_deref(), &Limits::default(), encoding)
@@ -76,7 +80,8 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
 }
 
 fn range(text: &str) -> Result<[f64; 2], Stop> {
-    let parsed = text.split_once(',').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    let parsed =
+        text.split_once(',').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
     let upwards = parsed.filter(|[lo, hi]: &[f64; 2]| lo.is_finite() && hi.is_finite() && lo < hi);
     upwards.ok_or_else(|| Stop::usage(format!("--range takes LOW,HIGH with LOW below HIGH, got `{text}`")))
 }

@@ -22,8 +22,14 @@ pub(super) struct Folder {
 
 impl Folder {
     /// Opens the folder, making it when needed.
-    pub(super) fn open(path: &Path, inputs: impl IntoIterator<Item = PathBuf>, overwrite: bool) -> Result<Self, Stop> {
-        let cannot = |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot make the folder {}: {e}", path.display()));
+    pub(super) fn open(
+        path: &Path,
+        inputs: impl IntoIterator<Item = PathBuf>,
+        overwrite: bool,
+    ) -> Result<Self, Stop> {
+        let cannot = |e: std::io::Error| {
+            Stop::new(Exit::Failed, format!("cannot make the folder {}: {e}", path.display()))
+        };
         std::fs::create_dir_all(path).map_err(cannot)?;
         let list = std::fs::read(path.join(LIST)).ok();
         let list = list.and_then(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
@@ -42,7 +48,10 @@ impl Folder {
         for name in names {
             let path = self.path.join(name);
             if path.canonicalize().is_ok_and(|p| self.inputs.contains(&p)) {
-                return Err(Stop::usage(format!("{} is an input of this build and is never overwritten", path.display())));
+                return Err(Stop::usage(format!(
+                    "{} is an input of this build and is never overwritten",
+                    path.display()
+                )));
             }
             let theirs = path.symlink_metadata().is_ok() && !self.written.contains(name) && !self.overwrite;
             if theirs {
@@ -53,7 +62,8 @@ impl Folder {
             }
         }
         self.written.extend(names.iter().cloned());
-        let text = format!("{:#}\n", json!({ "about": "files that orograph wrote here", "files": self.written }));
+        let text =
+            format!("{:#}\n", json!({ "about": "files that orograph wrote here", "files": self.written }));
         let list = self.path.join(LIST);
         crate::graph::save_bytes(&list, text.as_bytes())
             .map_err(|e| Stop::new(Exit::Failed, format!("cannot write {}: {e}", list.display())))

@@ -39,7 +39,11 @@ pub(super) struct Entry {
 }
 
 /// The jobs of some outputs, and those whose source does not resolve.
-pub(super) fn jobs(graph: &Graph, names: &[String], format: Option<Format>) -> (Vec<Job>, Vec<(String, Problem)>) {
+pub(super) fn jobs(
+    graph: &Graph,
+    names: &[String],
+    format: Option<Format>,
+) -> (Vec<Job>, Vec<(String, Problem)>) {
     let (mut jobs, mut broken) = (Vec::new(), Vec::new());
     for (name, output) in graph.outputs().filter(|(n, _)| names.iter().any(|m| m == n)) {
         match graph.output_source(name) {
@@ -115,7 +119,8 @@ impl Job {
         folder: &Path,
     ) -> Result<Entry, Stop> {
         let file = self.file(tile, many);
-        let cut = crate::files::Tile { column: tile.column, row: tile.row, columns: tile.columns, rows: tile.rows };
+        let cut =
+            crate::files::Tile { column: tile.column, row: tile.row, columns: tile.columns, rows: tile.rows };
         let job = WriteJob {
             value,
             format: self.format(),

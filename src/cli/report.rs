@@ -36,7 +36,10 @@ impl Report {
     pub(super) fn start(path: &Path, head: Map<String, Json>) -> Result<Self, Stop> {
         match std::fs::remove_file(path) {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Stop::new(Exit::Failed, format!("cannot remove the old report {}: {e}", path.display())));
+                return Err(Stop::new(
+                    Exit::Failed,
+                    format!("cannot remove the old report {}: {e}", path.display()),
+                ));
             }
             _ => (),
         }
@@ -96,7 +99,8 @@ impl Report {
         report.insert("failures".into(), Json::from(self.failures));
         report.insert("nodes".into(), Json::from(nodes));
         let text = format!("{:#}\n", Json::from(report));
-        crate::graph::save_bytes(&self.path, text.as_bytes())
-            .map_err(|e| Stop::new(Exit::Failed, format!("cannot write the report {}: {e}", self.path.display())))
+        crate::graph::save_bytes(&self.path, text.as_bytes()).map_err(|e| {
+            Stop::new(Exit::Failed, format!("cannot write the report {}: {e}", self.path.display()))
+        })
     }
 }
