@@ -1,3 +1,5 @@
 //! Numerics that several nodes share.
 
+pub mod color;
 pub mod hash;
+pub mod ramp;
