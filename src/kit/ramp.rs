@@ -20,6 +20,8 @@ pub enum Palette {
     Hypsometric,
     /// Forest, meadow, bare rock and snow, as a satellite sees a humid range.
     Alpine,
+    /// Ground cover by height and slope; without a slope the ground counts as gently sloped.
+    Satellite,
     /// Pale sand, ochre and red rock.
     Desert,
     /// Cold rock under ice and snow.
@@ -44,9 +46,10 @@ pub enum Palette {
 
 impl Palette {
     /// Every built-in ramp with its name in graph files.
-    pub const BUILTIN: [(&'static str, Self); 9] = [
+    pub const BUILTIN: [(&'static str, Self); 10] = [
         ("hypsometric", Self::Hypsometric),
         ("alpine", Self::Alpine),
+        ("satellite", Self::Satellite),
         ("desert", Self::Desert),
         ("arctic", Self::Arctic),
         ("volcanic", Self::Volcanic),
@@ -68,6 +71,7 @@ impl Palette {
             Self::Diverging => &DIVERGING,
             Self::Grey => return sampled(|t| [t; 3]),
             Self::Viridis => return sampled(viridis),
+            Self::Satellite => return sampled(|t| satellite(t, GENTLE)),
             Self::Custom { stops } => return stops.iter().map(Stop::of).collect(),
         };
         fixed.iter().map(|&(at, hex)| Stop { at, color: srgb_from_hex(hex) }).collect()
@@ -125,7 +129,19 @@ impl Ramp {
 
     /// The ramp of a palette.
     pub fn of(palette: &Palette, blend: Blend) -> Self {
-        Self::new(palette.stops(), blend)
+        match palette {
+            Palette::Grey if blend != Blend::Steps => Self::follow(|t| [t; 3]),
+            Palette::Viridis if blend != Blend::Steps => Self::follow(viridis),
+            Palette::Satellite if blend != Blend::Steps => Self::follow(|t| satellite(t, GENTLE)),
+            _ => Self::new(palette.stops(), blend),
+        }
+    }
+
+    /// A ramp that follows a function instead of stops.
+    fn follow(function: impl Fn(f32) -> [f32; 3]) -> Self {
+        let mut ramp = Self { pieces: Vec::new(), table: Vec::new(), last: function(1.0) };
+        ramp.push(0.0, 1.0, function);
+        ramp
     }
 
     /// A ramp through stops, in any order; black when there is none.
@@ -184,6 +200,9 @@ impl Ramp {
     }
 }
 
+/// Slope, in degrees, of ground of which nothing else is known.
+const GENTLE: f32 = 12.0;
+
 /// The colour of natural ground by height and slope, as a satellite sees a temperate range: fields and forest,
 /// meadows, rock where it is steep, scree, and snow where it is high and not too steep. sRGB encoded.
 ///
@@ -236,7 +255,7 @@ fn ground(height: f32, slope: f32) -> [f32; 3] {
     srgb_from_oklab(mix(color, snow, snowed))
 }
 
-/// Sixteen even pieces of a smooth function, close enough that the curve through them is the function.
+/// Sixteen even pieces of a function.
 fn sampled(f: impl Fn(f32) -> [f32; 3]) -> Vec<Stop> {
     (0..=16).map(|i| i as f32 / 16.0).map(|at| Stop { at, color: f(at) }).collect()
 }
@@ -380,6 +399,7 @@ mod tests {
             }
         }
         assert!(Ramp::builtin("plaid").is_none());
+        assert!(near(Ramp::builtin("grey").unwrap().color(0.0123), [0.0123; 3], 1e-6));
     }
 
     #[test]
