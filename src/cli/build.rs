@@ -171,7 +171,7 @@ impl Build<'_> {
             for (i, (job, value)) in jobs.iter().zip(&evaluation.values).enumerate() {
                 let written = match value {
                     Ok(value) => {
-                        job.write(value, tile, self.many, self.graph.terrain(), &self.whole, folder.path())
+                        job.write(value, tile, self.many, self.graph.terrain(), &self.whole, folder.dir())
                     }
                     Err(failure) => Err(Stop::new(Exit::of(failure), failure)),
                 };
@@ -245,7 +245,7 @@ impl Build<'_> {
 
     fn evaluate(&self, jobs: &[Job], tile: &Tile, report: &mut Report) -> Result<Evaluation, Stop> {
         self.progress.label(if self.many {
-            format!("tile {},{}", tile.column, tile.row)
+            format!("tile {},{}", tile.place.col, tile.place.row)
         } else {
             String::new()
         });

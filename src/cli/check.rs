@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::args::GraphArgs;
-use super::exit::{Exit, Stop, print};
+use super::exit::{Exit, Stop, print, save};
 use super::open;
 use crate::graph::Problem;
 use crate::nodes::Registry;

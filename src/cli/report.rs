@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value as Json, json};
 
-use super::exit::{Exit, Stop};
+use super::exit::{Exit, Stop, save};
 use crate::engine::TaskReport;
 
 /// Collects what a build did.
