@@ -79,7 +79,7 @@ pub struct Problem {
     pub place: Place,
     /// What is wrong: the limit and the value found, without the place.
     pub message: String,
-    node: Option<NodeId>,
+    pub(super) node: Option<NodeId>,
 }
 
 impl Problem {
