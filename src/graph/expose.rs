@@ -1,6 +1,6 @@
 //! Parameters by name: those of nodes, the settings of the terrain, and the exposed parameters that stand for them.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use serde_json::Value as Json;
 
@@ -47,10 +47,13 @@ impl Owners {
     }
 }
 
+/// Most steps in the path of a parameter; those of the kinds have up to four.
+const MAX_STEPS: usize = 16;
+
 /// `a.b`, `a.b.c` … of `a.b.c…`.
 fn prefixes(bind: &str) -> impl Iterator<Item = &str> {
     let ends = bind.match_indices('.').map(|(i, _)| i).skip(1).chain([bind.len()]);
-    ends.map(|end| &bind[..end])
+    ends.map(|end| &bind[..end]).take(MAX_STEPS)
 }
 
 impl Graph {
@@ -266,7 +269,12 @@ impl Graph {
                 return Err(Problem::error(Place::Node(name.to_owned()), message));
             }
         };
-        Ok(Bind { owner, path: split(path) })
+        let bind = Bind { owner, path: split(path) };
+        if bind.path.len() > MAX_STEPS {
+            let message = format!("is a path of {} steps, the limit is {MAX_STEPS}", bind.path.len());
+            return Err(Problem::error(self.place_of(&bind), message));
+        }
+        Ok(bind)
     }
 
     /// For a name that is no path: perhaps a slip in an exposed name, perhaps a parameter without its node.
@@ -299,14 +307,23 @@ impl Graph {
             Owner::Terrain => terrain_params(),
             Owner::Node(id) => match self.node(id).kind() {
                 Some(kind) => kind.params(),
-                None => return Err(format!("cannot be set, since the kind `{}` is not known", self.node(id).kind.id())),
+                None => {
+                    return Err(format!(
+                        "cannot be set, since the kind `{}` is not known",
+                        self.node(id).kind.id()
+                    ));
+                }
             },
         };
         let (name, rest) = bind.path.split_first().map_or(("", &[][..]), |(n, rest)| (n.as_str(), rest));
         let Some(param) = params.iter().find(|p| p.name == name) else {
             let names = || params.iter().map(|p| p.name.as_str());
             let whose = if bind.owner == Owner::Terrain { "the terrain's" } else { "this kind's" };
-            return Err(format!("is not one of {whose}: {}{}", listed(names()), hints.nearest(name, names())));
+            return Err(format!(
+                "is not one of {whose}: {}{}",
+                listed(names()),
+                hints.nearest(name, names())
+            ));
         };
         let top = Bind { owner: bind.owner, path: vec![name.to_owned()] };
         let value = self.written_at(&top).unwrap_or(&param.default);
@@ -356,7 +373,8 @@ impl Graph {
             Owner::Node(id) => self.node(id).name.as_str(),
         };
         let path = format!("{owner}.{}", bind.path.join("."));
-        let inside = |a: &str, b: &str| a.strip_prefix(b).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        let inside =
+            |a: &str, b: &str| a.strip_prefix(b).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
         let meets = |other: &String| inside(other, &path) || inside(&path, other);
         self.exposed().find(|(_, e)| e.bind.iter().any(meets)).map(|(name, _)| name)
     }
@@ -401,13 +419,17 @@ impl Graph {
                     match shape {
                         Some(shape) => param.get_or_insert_with(|| spot_param(&spot)).shape = shape,
                         None => {
-                            let message = format!("binds `{text}`, whose values are of another kind or range than those before");
+                            let message = format!(
+                                "binds `{text}`, whose values are of another kind or range than those before"
+                            );
                             faults.push(Problem::error(place(), message));
                         }
                     }
                     binds.push(bind);
                 }
-                Err(message) => faults.push(Problem::error(place(), format!("cannot bind `{text}`: {message}"))),
+                Err(message) => {
+                    faults.push(Problem::error(place(), format!("cannot bind `{text}`: {message}")))
+                }
             }
         }
         let Some(mut param) = param.filter(|_| faults.is_empty()) else {
@@ -437,34 +459,35 @@ impl Graph {
             return Err("it must be written as `node.parameter`".to_owned());
         }
         let bind = self.find_bind(text, hints).map_err(|p| p.to_string())?;
-        let spot = self.spot(&bind, hints).map_err(|message| format!("{}: {message}", self.place_of(&bind)))?;
+        let spot =
+            self.spot(&bind, hints).map_err(|message| format!("{}: {message}", self.place_of(&bind)))?;
         if let Some(other) = owners.before(i, text).and_then(|i| self.exposed.get(i)) {
             return Err(format!("it is exposed as `{}` already", other.0));
         }
         Ok((bind, spot))
     }
 
-    /// The problems once for each node that an exposed parameter sets: with its value in doubt, none of them may run.
-    pub(super) fn blame_all(&self, faults: Vec<Problem>, binds: &[Bind]) -> Vec<Problem> {
-        let mut nodes: Vec<NodeId> = Vec::new();
-        for bind in binds {
-            match bind.owner {
-                Owner::Node(id) if !nodes.contains(&id) => nodes.push(id),
-                Owner::Terrain => return faults,
-                Owner::Node(_) => (),
-            }
+    /// The problems of an exposed parameter, with one at least for each node that it sets: with the value in doubt,
+    /// none of them may run. Where it sets the terrain, they concern the whole graph.
+    pub(super) fn blame_all(&self, mut faults: Vec<Problem>, binds: &[Bind]) -> Vec<Problem> {
+        if binds.iter().any(|b| b.owner == Owner::Terrain) {
+            return faults;
         }
-        match nodes.as_slice() {
-            [] => faults,
-            [one] => faults.into_iter().map(|f| f.of(*one)).collect(),
-            many => {
-                let blame = |f: &Problem, id: NodeId| {
-                    let message = format!("{}; it sets `{}`", f.message, self.node(id).name);
-                    Problem { message, ..f.clone() }.of(id)
-                };
-                many.iter().flat_map(|&id| faults.iter().map(move |f| blame(f, id))).collect()
-            }
+        let nodes: BTreeSet<NodeId> = binds
+            .iter()
+            .filter_map(|b| match b.owner {
+                Owner::Node(id) => Some(id),
+                Owner::Terrain => None,
+            })
+            .collect();
+        let Some(&one) = nodes.first() else { return faults };
+        faults.iter_mut().for_each(|f| f.node = Some(one));
+        let Some(fault) = faults.first().cloned() else { return faults };
+        for id in nodes.into_iter().skip(1) {
+            let message = format!("{}; it sets `{}` too", fault.message, self.node(id).name);
+            faults.push(Problem { message, ..fault.clone() }.of(id));
         }
+        faults
     }
 
     /// Brings everything in line after an edit: wires that resolve now, exposed values, the terrain.
@@ -476,7 +499,8 @@ impl Graph {
     }
 
     pub(super) fn live(&self, id: NodeId) -> Result<(), Problem> {
-        let gone = || Problem::error(Place::Graph, format!("has no node with the index {} any more", id.index()));
+        let gone =
+            || Problem::error(Place::Graph, format!("has no node with the index {} any more", id.index()));
         self.get(id).map(drop).ok_or_else(gone)
     }
 }

@@ -36,8 +36,8 @@ pub use parts::{About, Backend, Exposed, GraphNode, KindRef, Output, OutputForma
 pub use problem::{Place, Problem, Severity};
 pub use schema::schema;
 pub use settings::terrain_params;
-use wires::Wire;
 pub use wires::Source;
+use wires::Wire;
 
 use crate::nodes::Registry;
 use crate::value::Terrain;
