@@ -1,3 +1,5 @@
 //! Numerics that several nodes share.
 
 pub mod hash;
+pub mod noise;
+pub mod simd;
