@@ -19,7 +19,7 @@ use crate::node::{Context, Error, Result};
 use crate::value::{Field, Grid};
 
 /// Widest standard deviation, in cells, that is summed directly; coarser levels work between half of it and it.
-const DIRECT: f64 = 6.0;
+const DIRECT: f64 = 7.0;
 /// Where the Gaussian is cut, in standard deviations: 2e-6 of its mass lies beyond.
 const CUT: f64 = 4.8;
 /// Below this many cells the neighbours weigh less than 1e-9.

@@ -46,7 +46,7 @@ fn field(grid: &Grid, f: impl Fn(f64, f64) -> f64) -> Field {
     Field::from_fn(*grid, Quantity::Elevation, |x, y| f(x, y) as f32)
 }
 
-type Source<'a> = &'a dyn Fn(&str, &Grid) -> Option<Value>;
+type Source<'a> = &'a (dyn Fn(&str, &Grid) -> Option<Value> + Sync);
 
 fn rough_field(port: &str, grid: &Grid) -> Option<Value> {
     matches!(port, "field" | "a" | "b").then(|| Value::Field(rough(grid)))
@@ -105,7 +105,7 @@ fn tiles_equal_whole<N: Node>(node: &N, source: Source<'_>) {
     ];
     for tile in tiles {
         let part = run(node, tile, source);
-        assert_eq!(bits(&part), bits(&whole.crop(&tile)), "{node:?} on {tile:?}");
+        assert!(bits(&part) == bits(&whole.crop(&tile)), "{node:?} on {tile:?}");
     }
     // And from inputs on larger windows than asked for.
     let tile = window([40, 31], [90, 66]);
@@ -113,7 +113,7 @@ fn tiles_equal_whole<N: Node>(node: &N, source: Source<'_>) {
         let more = grid.grow_cells(13).intersection(&apron(grid));
         source(port, &if grid.is_empty() { *grid } else { more })
     });
-    assert_eq!(bits(&part), bits(&whole.crop(&tile)), "{node:?} from a larger input");
+    assert!(bits(&part) == bits(&whole.crop(&tile)), "{node:?} from a larger input");
 }
 
 fn same_for_any_threads<N: Node>(node: &N, source: Source<'_>) {
@@ -122,7 +122,10 @@ fn same_for_any_threads<N: Node>(node: &N, source: Source<'_>) {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         // The source is not shared between threads: its values are made first, on the widest window.
         let wide = node_inputs::<N>(node, at, source);
-        pool.install(|| bits(&run(node, at, &|p, g| wide.get(p).map(|v| v.crop(g)))))
+        let given = |p: &str, g: &Grid| {
+            if g.lattice == at.lattice { wide.get(p).map(|v| v.crop(g)) } else { source(p, g) }
+        };
+        pool.install(|| bits(&run(node, at, &given)))
     };
     let one = with(1);
     assert!(one == with(2) && one == with(7), "{node:?}");
@@ -135,7 +138,7 @@ fn node_inputs<N: Node>(node: &N, at: Grid, source: Source<'_>) -> Wires {
 
 #[test]
 fn windows_and_threads_do_not_matter() {
-    for cells in [0.3, 1.0, 5.0, 6.0, 13.0, 40.0, 100.0, 700.0] {
+    for cells in [0.3, 1.0, 6.0, 7.0, 14.0, 40.0, 100.0, 700.0] {
         tiles_equal_whole(&Blur { radius: Metres(cells * CELL) }, &rough_field);
     }
     for cells in [1.0, 4.6] {
@@ -165,7 +168,7 @@ fn wide_medians_do_not_depend_on_the_window() {
     tiles_equal_whole(&Median { radius: Metres(70.0 * CELL) }, &rough_field);
     let (a, b) = (window([3, 5], [40, 30]), window([9, 7], [20, 29]));
     let node = Median { radius: Metres(150.0 * CELL) };
-    assert_eq!(bits(&run(&node, a, &rough_field).crop(&b)), bits(&run(&node, b, &rough_field)));
+    assert!(bits(&run(&node, a, &rough_field).crop(&b)) == bits(&run(&node, b, &rough_field)));
 }
 
 fn turned() -> Transform {
@@ -241,8 +244,8 @@ fn worst_error(sigma: f64, at: i64) -> f64 {
 #[test]
 fn no_input_blurs_further_from_the_direct_sum_than_a_ten_thousandth() {
     // Two axes: each may make half of it.
-    for sigma in [0.2, 0.5, 1.0, 3.0, 5.9, 6.0, 6.7, 8.0, 11.99, 12.0, 17.0, 24.0] {
-        let phases = if sigma < 12.0 { 2 } else { 4 };
+    for sigma in [0.2, 0.5, 1.0, 3.0, 6.9, 7.0, 7.7, 9.0, 13.9, 14.0, 17.0, 28.0] {
+        let phases = if sigma < 14.0 { 2 } else { 4 };
         let worst = (0..phases).map(|at| worst_error(sigma, 100 + at)).fold(0.0, f64::max);
         assert!(worst < 0.5e-4, "sigma {sigma}: {worst}");
     }
@@ -254,7 +257,7 @@ fn wide_blurs_match_the_direct_sum() {
     let noise: Vec<f32> = (0..n).map(|i| hash::unit(5, i as u64) as f32).collect();
     let step: Vec<f32> = (0..n).map(|i| f32::from(i > 1411)).collect();
     let comb: Vec<f32> = (0..n).map(|i| f32::from(i / 64 % 2 == 1)).collect();
-    for sigma in [3.0, 6.0, 23.9, 48.0, 100.0, 191.0, 192.0, 400.0] {
+    for sigma in [3.0, 7.0, 27.9, 56.0, 100.0, 223.0, 224.0, 400.0] {
         for values in [&noise, &step, &comb] {
             let input = line(-777, values.clone());
             let (got, want) = (blurred(&input, *input.grid(), sigma), convolved(values, sigma));
@@ -315,7 +318,7 @@ fn blur_keeps_what_is_flat_or_rises_evenly() {
 fn identities_change_no_bit() {
     let at = window([-5, 2], [60, 50]);
     let input = rough(&at);
-    let same = |name: &str, out: Field| assert_eq!(bits(&out), bits(&input), "{name}");
+    let same = |name: &str, out: Field| assert!(bits(&out) == bits(&input), "{name}");
     same("blur", on(&Blur { radius: Metres(0.0) }, &input));
     same("median", on(&Median { radius: Metres(7.0) }, &input));
     same("sharpen", on(&Sharpen { amount: Number(0.0), ..Sharpen::default() }, &input));
@@ -327,12 +330,10 @@ fn identities_change_no_bit() {
     same("combine", run(&Combine { strength: Ratio(0.0), ..Combine::default() }, at, &rough_field));
     same("mix", run(&Mix { amount: Ratio(0.0) }, at, &rough_field));
     let points = [[0.0, 0.0], [0.3, 0.3], [1.0, 1.0]].map(|p| p.map(Ratio)).to_vec();
-    same("curve", on(&Curve { points, ..Curve::default() }, &input));
+    same("curve", run(&Curve { points, ..Curve::default() }, at, &rough_field));
     let wide = Clamp { low: Number(-1e4), high: Number(1e4), knee: Number(0.0) };
     same("clamp", on(&wide, &input));
     same("clamp", on(&Clamp { knee: Number(500.0), ..wide }, &input));
-    let about = invert::About::Value { value: Number(256.0) };
-    same("invert", on(&Invert { about }, &on(&Invert { about }, &input)));
 }
 
 #[test]
@@ -559,7 +560,9 @@ fn curve_is_the_monotone_cubic_of_scipy() {
 
 /// Runs a node on single values.
 fn values<N: Node>(node: &N, quantity: Quantity, values: &[f32]) -> (Vec<f32>, Quantity) {
-    let at = window([0, 0], [values.len() as i64, 1]);
+    // Many values stand in rows of a hundred, so that they stay on the terrain.
+    let cols = if values.len() > 100 { 100 } else { values.len() };
+    let at = window([0, 0], [cols as i64, (values.len() / cols) as i64]);
     let input = Field::new(at, quantity, values.to_vec());
     let out = run(node, at, &|port, g| {
         // The summary sees the same values, on the base grid.
@@ -633,10 +636,12 @@ fn terraces_rise_keep_their_levels_and_flatten_their_treads() {
         assert!(flat > 800, "{flat} of 1999 steps of 0.5 m became less than 0.15 m");
     }
     let counted = Terrace { steps: Steps::Count { count: 4 }, ..even };
-    let mut levels: Vec<i32> =
-        values(&counted, Quantity::Elevation, &ramp).0.iter().map(|v| v.round() as i32).collect();
-    levels.dedup_by(|a, b| (*a - *b).abs() <= 1);
-    assert!(levels.len() < 12 && levels.contains(&-300) && levels.contains(&-50), "{levels:?}");
+    let got = values(&counted, Quantity::Elevation, &ramp).0;
+    let levels: Vec<f32> = (0..4).map(|i| -300.0 + i as f32 * (ramp[1999] - ramp[0]) / 4.0).collect();
+    for level in levels {
+        let near = got.iter().filter(|v| (*v - level).abs() < 4.0).count();
+        assert!(near > 470, "{near} of 500 near {level}");
+    }
 }
 
 #[test]
