@@ -120,8 +120,6 @@ impl Job {
         folder: &Dir,
     ) -> Result<Entry, Stop> {
         let file = self.file(tile, many);
-        let cut =
-            crate::files::Tile { column: tile.column, row: tile.row, columns: tile.columns, rows: tile.rows };
         let job = WriteJob {
             range: self.range,
             clip: self.output.clip,

@@ -99,8 +99,6 @@ impl Report {
         report.insert("failures".into(), Json::from(self.failures));
         report.insert("nodes".into(), Json::from(nodes));
         let text = format!("{:#}\n", Json::from(report));
-        crate::graph::save_bytes(&self.path, text.as_bytes()).map_err(|e| {
-            Stop::new(Exit::Failed, format!("cannot write the report {}: {e}", self.path.display()))
-        })
+        save(&self.path, text.as_bytes())
     }
 }
