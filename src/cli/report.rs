@@ -81,7 +81,7 @@ impl Report {
 
     /// Writes the report whole.
     pub(super) fn write(self) -> Result<(), Stop> {
-        let nodes: Vec<_> = self.nodes.iter().map(|((node, stage), t)| {
+        let nodes = self.nodes.iter().map(|((node, stage), t)| {
             json!({
                 "node": node, "stage": stage, "kind": t.kind, "backend": "cpu", "runs": t.runs, "cached": t.cached,
                 "seconds": t.seconds, "bytes": t.bytes, "failed": t.failed,
