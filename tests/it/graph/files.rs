@@ -255,3 +255,14 @@ fn newer_kinds_are_kept() {
         assert!(canonical(&graph).contains("\"aged\": 3"));
     }
 }
+
+#[test]
+fn the_example_of_the_manual_is_canonical() {
+    let manual = include_str!("../../../docs/graph-file.md");
+    let example = manual.split("```json\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let graph = Graph::from_bytes(example.as_bytes(), &orograph::nodes::Registry::standard()).unwrap();
+    assert_eq!(canonical(&graph), example);
+    if graph.registry().find("fractal_noise").is_some() {
+        assert_eq!(told(&graph), [""; 0]);
+    }
+}

@@ -26,6 +26,9 @@ macro_rules! kind {
             fn check(&self) -> Result<()> {
                 self.check_all()
             }
+            fn uses(&self, port: &str) -> bool {
+                self.uses_port(port)
+            }
             fn run(&self, _: &Context<'_>, _: Self::In) -> Result<Self::Out> {
                 Err(Error::Undeclared { what: "the graph's tests run nothing" })
             }
@@ -76,6 +79,10 @@ impl Default for Hills {
 }
 
 impl Hills {
+    #[allow(clippy::unused_self, reason = "all kinds of the macro have it")]
+    fn uses_port(&self, _: &str) -> bool {
+        true
+    }
     fn check_all(&self) -> Result<()> {
         if self.amplitude.0 > 4000.0 && self.octaves > 12 {
             let message = format!("must be at most 12 above 4000 m, got {}", self.octaves);
@@ -96,9 +103,14 @@ kind!(Hills, hills, Meta::new().reads(Reads::SEED), {}, {
 pub(super) struct Sum {
     /// Whether the second counts negative.
     pub minus: bool,
+    /// Whether the first is left out.
+    pub only_second: bool,
 }
 
 impl Sum {
+    fn uses_port(&self, port: &str) -> bool {
+        port != "a" || !self.only_second
+    }
     #[allow(clippy::unused_self, clippy::unnecessary_wraps, reason = "all kinds of the macro have it")]
     fn check_all(&self) -> Result<()> {
         Ok(())
@@ -121,6 +133,10 @@ kind!(Sum, sum, Meta::new().mixes(&[("field", "a")]), {
 pub(super) struct Flow {}
 
 impl Flow {
+    #[allow(clippy::unused_self, reason = "all kinds of the macro have it")]
+    fn uses_port(&self, _: &str) -> bool {
+        true
+    }
     #[allow(clippy::unused_self, clippy::unnecessary_wraps, reason = "all kinds of the macro have it")]
     fn check_all(&self) -> Result<()> {
         Ok(())
@@ -151,6 +167,10 @@ impl Default for Aged {
 }
 
 impl Aged {
+    #[allow(clippy::unused_self, reason = "all kinds of the macro have it")]
+    fn uses_port(&self, _: &str) -> bool {
+        true
+    }
     #[allow(clippy::unused_self, clippy::unnecessary_wraps, reason = "all kinds of the macro have it")]
     fn check_all(&self) -> Result<()> {
         Ok(())
