@@ -99,7 +99,7 @@ fn word_at(text: &str, line: usize, column: usize) -> Option<&str> {
 /// Where a value stands: a list through the stack.
 #[derive(Clone, Copy)]
 struct Path<'a> {
-    up: Option<&'a Path<'a>>,
+    up: Option<&'a Self>,
     step: Step<'a>,
 }
 

@@ -25,7 +25,7 @@ pub const MAX_NAMED: usize = 1000;
 pub enum LoadError {
     /// The file system refuses.
     #[error("the file cannot be read: {0}")]
-    Read(#[from] std::io::Error),
+    Io(#[from] std::io::Error),
     /// It is a folder, a pipe or a device.
     #[error("this is not a regular file")]
     NotAFile,
@@ -336,13 +336,15 @@ fn part(file: &mut Map<String, Json>, key: &str) -> Result<Map<String, Json>, Lo
     file.shift_remove(key).map_or_else(|| Ok(Map::new()), |json| object(json, key))
 }
 
+type Entries = Vec<(String, Map<String, Json>)>;
+
 /// The entries of a part, each an object.
 fn named(
     part: Map<String, Json>,
     path: &str,
     what: &'static str,
     limit: usize,
-) -> Result<Vec<(String, Map<String, Json>)>, LoadError> {
+) -> Result<Entries, LoadError> {
     if part.len() > limit {
         return Err(LoadError::TooMany { what, found: part.len(), limit });
     }

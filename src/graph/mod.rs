@@ -8,6 +8,7 @@
 //! Names, places on the canvas, titles and exposed names have no part in what a node computes, so no edit of those
 //! touches a cached result; the engine takes [`GraphNode::parse`], the wires and the [`Terrain`] and nothing else.
 
+mod bind;
 mod edit;
 mod expose;
 mod json;
@@ -38,6 +39,7 @@ pub use schema::schema;
 pub use settings::terrain_params;
 pub use wires::Source;
 use wires::Wire;
+pub use write::save_bytes;
 
 use crate::nodes::Registry;
 use crate::value::Terrain;

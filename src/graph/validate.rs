@@ -132,6 +132,8 @@ impl Graph {
     fn input_problems(&self, id: NodeId, kind: &'static Kind, hints: &Hints) -> Vec<Problem> {
         let node = self.node(id);
         let place = |port: &str| Place::Input { node: node.name.clone(), port: port.to_owned() };
+        let parsed = kind.parse(&node.set).ok();
+        let uses = |port: &str| parsed.as_ref().is_none_or(|n| n.uses(port));
         let mut found = Vec::new();
         for port in kind.inputs() {
             if let Some(written) = node.loose.get(port.name) {
@@ -144,8 +146,9 @@ impl Graph {
                         format!("takes {want}, but `{text}` gives {got}")
                     }
                 };
-                found.push(Problem::error(place(port.name), message));
-            } else if port.required && self.source(id, port.name).is_none() {
+                let problem = if uses(port.name) { Problem::error } else { Problem::warning };
+                found.push(problem(place(port.name), message));
+            } else if port.required && uses(port.name) && self.source(id, port.name).is_none() {
                 found.push(Problem::error(place(port.name), "must be connected"));
             }
         }

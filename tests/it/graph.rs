@@ -1,4 +1,5 @@
 //! The document: files, problems, edits.
+#![allow(clippy::unwrap_used, reason = "a test stops where something fails")]
 
 mod edits;
 mod exposed;

@@ -190,7 +190,7 @@ fn opening_looks_before_it_reads() {
     let folder = tempfile::tempdir().unwrap();
     let open = |path: &std::path::Path| Graph::open(path, &registry()).unwrap_err();
     assert!(matches!(open(folder.path()), LoadError::NotAFile));
-    assert!(matches!(open(&folder.path().join("missing.graph")), LoadError::Read(_)));
+    assert!(matches!(open(&folder.path().join("missing.graph")), LoadError::Io(_)));
     // 100 MB that take no room on the disk.
     let large = folder.path().join("large.graph");
     fs::File::create(&large).unwrap().set_len(100_000_000).unwrap();
@@ -253,5 +253,16 @@ fn newer_kinds_are_kept() {
         graph.remove(a).unwrap();
         graph.add("c", "aged").unwrap();
         assert!(canonical(&graph).contains("\"aged\": 3"));
+    }
+}
+
+#[test]
+fn the_example_of_the_manual_is_canonical() {
+    let manual = include_str!("../../../docs/graph-file.md");
+    let example = manual.split("```json\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let graph = Graph::from_bytes(example.as_bytes(), &orograph::nodes::Registry::standard()).unwrap();
+    assert_eq!(canonical(&graph), example);
+    if graph.registry().find("fractal_noise").is_some() {
+        assert_eq!(told(&graph), [""; 0]);
     }
 }

@@ -341,3 +341,13 @@ fn twins_and_graphs_without_outputs_earn_a_warning() {
     );
     assert!(graph.problems().iter().all(|p| p.severity == Severity::Warning));
 }
+
+#[test]
+fn an_input_that_a_node_does_not_use_is_not_missed() {
+    let graph = with_nodes(
+        r#""hills": {"kind": "hills"}, "s": {"kind": "sum", "in": {"b": "hills.field"}, "set": {"only_second": true}},
+        "t": {"kind": "sum", "in": {"a": "nobody.field", "b": "hills.field"}, "set": {"only_second": true}}"#,
+    );
+    assert_eq!(errors(&graph), [""; 0]);
+    has(&told(&graph), &["node `t`, input `a`: reads `nobody.field`, but the graph has no node `nobody`"]);
+}

@@ -12,8 +12,8 @@ macro_rules! kind {
         mod $module {
             use super::*;
             ports! {
-                pub struct Inputs { $($inputs)* }
-                pub struct Outputs { $($outputs)* }
+                pub(in super::super) struct Inputs { $($inputs)* }
+                pub(in super::super) struct Outputs { $($outputs)* }
             }
         }
         impl Node for $name {
@@ -26,6 +26,9 @@ macro_rules! kind {
             fn check(&self) -> Result<()> {
                 self.check_all()
             }
+            fn uses(&self, port: &str) -> bool {
+                self.uses_port(port)
+            }
             fn run(&self, _: &Context<'_>, _: Self::In) -> Result<Self::Out> {
                 Err(Error::Undeclared { what: "the graph's tests run nothing" })
             }
@@ -36,7 +39,7 @@ macro_rules! kind {
 /// Makes hills.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct Hills {
+pub(super) struct Hills {
     /// Height.
     #[schemars(range(min = 0.0, max = 5000.0))]
     pub amplitude: Metres,
@@ -58,7 +61,7 @@ pub struct Hills {
 /// How the hills lie.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Mode {
+pub(super) enum Mode {
     /// As they come.
     Plain,
     /// Turned.
@@ -76,6 +79,10 @@ impl Default for Hills {
 }
 
 impl Hills {
+    #[allow(clippy::unused_self, reason = "all kinds of the macro have it")]
+    fn uses_port(&self, _: &str) -> bool {
+        true
+    }
     fn check_all(&self) -> Result<()> {
         if self.amplitude.0 > 4000.0 && self.octaves > 12 {
             let message = format!("must be at most 12 above 4000 m, got {}", self.octaves);
@@ -93,12 +100,17 @@ kind!(Hills, hills, Meta::new().reads(Reads::SEED), {}, {
 /// Adds two fields.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct Sum {
+pub(super) struct Sum {
     /// Whether the second counts negative.
     pub minus: bool,
+    /// Whether the first is left out.
+    pub only_second: bool,
 }
 
 impl Sum {
+    fn uses_port(&self, port: &str) -> bool {
+        port != "a" || !self.only_second
+    }
     #[allow(clippy::unused_self, clippy::unnecessary_wraps, reason = "all kinds of the macro have it")]
     fn check_all(&self) -> Result<()> {
         Ok(())
@@ -118,9 +130,13 @@ kind!(Sum, sum, Meta::new().mixes(&[("field", "a")]), {
 /// Gives directions.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct Flow {}
+pub(super) struct Flow {}
 
 impl Flow {
+    #[allow(clippy::unused_self, reason = "all kinds of the macro have it")]
+    fn uses_port(&self, _: &str) -> bool {
+        true
+    }
     #[allow(clippy::unused_self, clippy::unnecessary_wraps, reason = "all kinds of the macro have it")]
     fn check_all(&self) -> Result<()> {
         Ok(())
@@ -138,7 +154,7 @@ kind!(Flow, flow, Meta::new(), {
 /// Changed twice: its size was in kilometres, then its name was `extent`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct Aged {
+pub(super) struct Aged {
     /// Its size.
     #[schemars(range(min = 0.0, max = 1.0e6))]
     pub size: Metres,
@@ -151,6 +167,10 @@ impl Default for Aged {
 }
 
 impl Aged {
+    #[allow(clippy::unused_self, reason = "all kinds of the macro have it")]
+    fn uses_port(&self, _: &str) -> bool {
+        true
+    }
     #[allow(clippy::unused_self, clippy::unnecessary_wraps, reason = "all kinds of the macro have it")]
     fn check_all(&self) -> Result<()> {
         Ok(())
@@ -176,7 +196,7 @@ kind!(Aged, aged, Meta::new().migrations(AGES), {}, {
 });
 
 /// The kinds of this file beside those of the program.
-pub fn registry() -> Registry {
+pub(super) fn registry() -> Registry {
     static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
         vec![
             Kind::of::<Hills>("test", "hills"),
@@ -188,40 +208,40 @@ pub fn registry() -> Registry {
     Registry::standard().with(KINDS.iter())
 }
 
-pub fn load(text: &str) -> Graph {
+pub(super) fn load(text: &str) -> Graph {
     Graph::from_bytes(text.as_bytes(), &registry()).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
 /// A graph of some nodes, in the text of a file.
-pub fn with_nodes(nodes: &str) -> Graph {
+pub(super) fn with_nodes(nodes: &str) -> Graph {
     load(&format!(r#"{{"orograph": 1, "nodes": {{{nodes}}}}}"#))
 }
 
-pub fn id(graph: &Graph, name: &str) -> NodeId {
+pub(super) fn id(graph: &Graph, name: &str) -> NodeId {
     graph.find(name).unwrap_or_else(|| panic!("no node {name}"))
 }
 
-pub fn canonical(graph: &Graph) -> String {
+pub(super) fn canonical(graph: &Graph) -> String {
     String::from_utf8(graph.canonical()).unwrap()
 }
 
 /// The errors and warnings, as text.
-pub fn told(graph: &Graph) -> Vec<String> {
+pub(super) fn told(graph: &Graph) -> Vec<String> {
     graph.problems().iter().map(Problem::to_string).collect()
 }
 
-pub fn errors(graph: &Graph) -> Vec<String> {
+pub(super) fn errors(graph: &Graph) -> Vec<String> {
     graph.problems().iter().filter(|p| p.is_error()).map(Problem::to_string).collect()
 }
 
 /// Asserts that one of some texts has all of some words, and gives it.
-pub fn has<'a>(texts: &'a [String], words: &[&str]) -> &'a str {
+pub(super) fn has<'a>(texts: &'a [String], words: &[&str]) -> &'a str {
     let fits = |t: &&String| words.iter().all(|w| t.contains(w));
     texts.iter().find(fits).unwrap_or_else(|| panic!("{words:?} is in none of {texts:#?}"))
 }
 
 /// The example of the file's description, with the kinds of this file; its lines are those of the canonical form.
-pub const EXAMPLE: &str = r#"{
+pub(super) const EXAMPLE: &str = r#"{
   "orograph": 1,
   "kinds": { "constant": 1, "hills": 1, "sum": 1 },
   "title": "Hills on a plain",

@@ -22,6 +22,52 @@ fn good_files_pass() {
     assert_eq!(errors(&load(&file.to_string())), [""; 0]);
 }
 
+/// Every kind of the program: made, written, read and checked by reader and schema.
+#[test]
+fn every_kind_can_be_made_and_written() {
+    let registry = orograph::nodes::Registry::standard();
+    let schema = orograph::graph::schema(&registry);
+    let validator = jsonschema::validator_for(&schema).unwrap_or_else(|e| panic!("{e}"));
+    for kind in registry.iter() {
+        let mut graph = orograph::graph::Graph::new();
+        let id = graph.add("node", kind.id).unwrap();
+        let mut left_out = Vec::new();
+        for port in kind.inputs() {
+            if port.wire == orograph::value::WireType::Field {
+                let name = format!("in_{}", port.name);
+                let from = graph.add(&name, "constant").unwrap();
+                graph.connect(from, "field", id, port.name).unwrap();
+            } else {
+                left_out.push(port.name);
+            }
+        }
+        // Written in full, the defaults fit as well.
+        for param in kind.params() {
+            if graph.set(id, &param.name, param.default.clone()).is_err() {
+                panic!("{}: the default of {} does not fit", kind.id, param.name);
+            }
+        }
+        let unexpected = |p: &&orograph::graph::Problem| {
+            let is_left_out = matches!(&p.place, orograph::graph::Place::Input { port, .. } if left_out.contains(&port.as_str()));
+            p.is_error() && !is_left_out
+        };
+        let problems = graph.problems();
+        assert_eq!(problems.iter().find(unexpected), None, "{}", kind.id);
+        let mut file: Json = serde_json::from_slice(&graph.canonical()).unwrap();
+        let set: serde_json::Map<_, _> =
+            kind.params().iter().map(|p| (p.name.clone(), p.default.clone())).collect();
+        file["nodes"]["node"]["set"] = set.into();
+        let faults: Vec<_> =
+            validator.iter_errors(&file).map(|e| format!("{}: {e}", e.instance_path())).collect();
+        if left_out.is_empty() {
+            assert_eq!(faults, [""; 0], "{}", kind.id);
+        }
+        let text = String::from_utf8(graph.canonical()).unwrap();
+        let again = orograph::graph::Graph::from_bytes(text.as_bytes(), &registry).unwrap();
+        assert_eq!(again.canonical(), graph.canonical());
+    }
+}
+
 #[test]
 fn shipped_graphs_pass() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("graphs");
