@@ -32,6 +32,7 @@ registry! {
 
     /// Reads height files.
     files {
+        import_height: ImportHeight,
     }
 
     /// Puts two fields together.
