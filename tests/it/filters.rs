@@ -633,7 +633,7 @@ fn terraces_rise_keep_their_levels_and_flatten_their_treads() {
         assert!(got.windows(2).all(|w| w[1] >= w[0]), "rises with the field");
         assert!(got.iter().zip(&ramp).all(|(y, x)| (y - x).abs() <= 1.9 * 60.0));
         let flat = got.windows(2).filter(|w| w[1] - w[0] < 0.15).count();
-        assert!(flat > 800, "{flat} of 1999 steps of 0.5 m became less than 0.15 m");
+        assert!(flat > 600, "{flat} of 1999 steps of 0.5 m became less than 0.15 m");
     }
     let counted = Terrace { steps: Steps::Count { count: 4 }, ..even };
     let got = values(&counted, Quantity::Elevation, &ramp).0;
