@@ -36,10 +36,9 @@ fn noise(grid: &Grid) -> Field {
 
 fn bench<N: Node>(bencher: Bencher<'_, '_>, node: N, ports: &[&'static str]) {
     let (terrain, cancel, at) = (terrain(), Cancel::default(), grid());
-    let apron = at.grow_cells(i64::from(SIZE) / 2);
     let input = |&p: &&'static str| {
-        let window = Node::footprint(&node, p, &at, &terrain).intersection(&apron);
-        (p, Value::Field(noise(&window)))
+        let window = Node::footprint(&node, p, &at, &terrain);
+        (p, Value::Field(noise(&window.intersection(&terrain.apron(window.lattice)))))
     };
     let wires: Wires = ports.iter().map(input).collect();
     let cx = Context::bare(at, &terrain, &cancel);

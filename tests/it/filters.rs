@@ -64,7 +64,10 @@ fn run_any(node: &dyn AnyNode, ports: &[&'static str], at: Grid, source: Source<
         node.summarize(&Context::bare(base, &terrain, &cancel), wires(&|_| base)).unwrap()
     });
     let cx = Context { whole: summary.as_ref(), ..Context::bare(at, &terrain, &cancel) };
-    let inputs = wires(&|p| node.footprint(p, &at, &terrain).intersection(&apron(&at)));
+    let inputs = wires(&|p| {
+        let grid = node.footprint(p, &at, &terrain);
+        grid.intersection(&apron(&grid))
+    });
     let out = node.run(&cx, inputs)?.get("field").cloned().unwrap();
     assert_eq!(*out.grid(), at);
     assert_eq!(out.first_not_finite(), None, "{node:?}");
@@ -132,7 +135,10 @@ fn same_for_any_threads<N: Node>(node: &N, source: Source<'_>) {
 }
 
 fn node_inputs<N: Node>(node: &N, at: Grid, source: Source<'_>) -> Wires {
-    let on = |p: &str| Node::footprint(node, p, &at, &world()).intersection(&apron(&at));
+    let on = |p: &str| {
+        let grid = Node::footprint(node, p, &at, &world());
+        grid.intersection(&apron(&grid))
+    };
     N::In::PORTS.iter().filter_map(|p| Some((p.name, source(p.name, &on(p.name))?))).collect()
 }
 
@@ -149,6 +155,7 @@ fn windows_and_threads_do_not_matter() {
     tiles_equal_whole(&Warp::default(), &rough_field);
     tiles_equal_whole(&Warp { limit: Metres(50.0), factor: Number(700.0), ..Warp::default() }, &displaced);
     tiles_equal_whole(&turned(), &rough_field);
+    tiles_equal_whole(&Transform { scale: Number(2.5), ..turned() }, &rough_field);
     tiles_equal_whole(&Terrace::default(), &rough_field);
     tiles_equal_whole(&Equalize::default(), &rough_field);
     tiles_equal_whole(&Remap::default(), &rough_field);
@@ -464,6 +471,19 @@ fn transform_turns_and_scales_a_smooth_field_as_the_formula_says() {
         let (u, v) = (at.x(i) - cx, at.y(j) - cy - 55.0);
         let want = smooth(cx + (c * u + s * v) / 1.6, cy + (c * v - s * u) / 1.6);
         assert!((f64::from(got.row(j)[i]) - want).abs() < 0.02, "at {i}, {j}");
+    }
+}
+
+#[test]
+fn enlarging_shows_the_detail_of_a_finer_lattice() {
+    // Waves of 6 m, which samples 8 m apart cannot hold, drawn four times as large.
+    let waves = |x: f64, _: f64| 10.0 * libm::sin(x * std::f64::consts::TAU / 6.0);
+    let at = window([100, 90], [140, 96]);
+    let node = Transform { scale: Number(4.0), ..Transform::default() };
+    let got = run(&node, at, &|_, g| Some(Value::Field(field(g, waves))));
+    for (i, &v) in got.row(3).iter().enumerate() {
+        let want = waves(1324.0 + (at.x(i) - 1324.0) / 4.0, 0.0);
+        assert!((f64::from(v) - want).abs() < 0.01, "{v}, not {want}");
     }
 }
 
