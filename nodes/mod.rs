@@ -23,7 +23,11 @@ macro_rules! registry {
 registry! {
     /// Makes fields from nothing.
     generate {
+        cellular_noise: CellularNoise,
         constant: Constant,
+        fractal_noise: FractalNoise,
+        gradient: Gradient,
+        multifractal: Multifractal,
     }
 
     /// Reads height files.

@@ -33,6 +33,18 @@ fn apron(grid: &Grid) -> Grid {
     Grid::between(grid.lattice, [-half, -half], [half * 3 + 1, rows + half + 1])
 }
 
+/// A window cut to the apron, never to nothing.
+fn clipped(window: &Grid) -> Grid {
+    let apron = apron(window);
+    let cut = |from: i64, end: i64, [lo, hi]: [i64; 2]| {
+        let from = from.clamp(lo, hi - 1);
+        [from, end.clamp(from + 1, hi)]
+    };
+    let [col, col_end] = cut(window.col, window.col_end(), [apron.col, apron.col_end()]);
+    let [row, row_end] = cut(window.row, window.row_end(), [apron.row, apron.row_end()]);
+    Grid::between(window.lattice, [col, row], [col_end, row_end])
+}
+
 /// Hills with noise at every sample and a cliff.
 fn rough(grid: &Grid) -> Field {
     field(grid, |x, y| {
@@ -64,10 +76,7 @@ fn run_any(node: &dyn AnyNode, ports: &[&'static str], at: Grid, source: Source<
         node.summarize(&Context::bare(base, &terrain, &cancel), wires(&|_| base)).unwrap()
     });
     let cx = Context { whole: summary.as_ref(), ..Context::bare(at, &terrain, &cancel) };
-    let inputs = wires(&|p| {
-        let grid = node.footprint(p, &at, &terrain);
-        grid.intersection(&apron(&grid))
-    });
+    let inputs = wires(&|p| clipped(&node.footprint(p, &at, &terrain)));
     let out = node.run(&cx, inputs)?.get("field").cloned().unwrap();
     assert_eq!(*out.grid(), at);
     assert_eq!(out.first_not_finite(), None, "{node:?}");
@@ -113,7 +122,7 @@ fn tiles_equal_whole<N: Node>(node: &N, source: Source<'_>) {
     // And from inputs on larger windows than asked for.
     let tile = window([40, 31], [90, 66]);
     let part = run(node, tile, &|port, grid| {
-        let more = grid.grow_cells(13).intersection(&apron(grid));
+        let more = clipped(&grid.grow_cells(13));
         source(port, &if grid.is_empty() { *grid } else { more })
     });
     assert!(bits(&part) == bits(&whole.crop(&tile)), "{node:?} from a larger input");
@@ -135,10 +144,7 @@ fn same_for_any_threads<N: Node>(node: &N, source: Source<'_>) {
 }
 
 fn node_inputs<N: Node>(node: &N, at: Grid, source: Source<'_>) -> Wires {
-    let on = |p: &str| {
-        let grid = Node::footprint(node, p, &at, &world());
-        grid.intersection(&apron(&grid))
-    };
+    let on = |p: &str| clipped(&Node::footprint(node, p, &at, &world()));
     N::In::PORTS.iter().filter_map(|p| Some((p.name, source(p.name, &on(p.name))?))).collect()
 }
 
@@ -512,7 +518,7 @@ fn built_in_warp_reaches_about_its_amplitude_and_not_beyond_its_limit() {
     let at = window([0, 0], [200, 150]);
     let east = |g: &Grid| field(g, |x, _| x);
     let warped = |limit| {
-        let node = Warp { limit: Metres(limit), amplitude: Metres(80.0), octaves: 1, ..Warp::default() };
+        let node = Warp { limit: Metres(limit), amplitude: Metres(120.0), octaves: 1, ..Warp::default() };
         let got = run(&node, at, &|p, g| (p == "field").then(|| Value::Field(east(g))));
         got.data().iter().zip(east(&at).data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
     };
@@ -653,7 +659,7 @@ fn terraces_rise_keep_their_levels_and_flatten_their_treads() {
         assert!(got.windows(2).all(|w| w[1] >= w[0]), "rises with the field");
         assert!(got.iter().zip(&ramp).all(|(y, x)| (y - x).abs() <= 1.9 * 60.0));
         let flat = got.windows(2).filter(|w| w[1] - w[0] < 0.15).count();
-        assert!(flat > 600, "{flat} of 1999 steps of 0.5 m became less than 0.15 m");
+        assert!(flat > 400, "{flat} of 1999 steps of 0.5 m became less than 0.15 m");
     }
     let counted = Terrace { steps: Steps::Count { count: 4 }, ..even };
     let got = values(&counted, Quantity::Elevation, &ramp).0;
