@@ -23,7 +23,7 @@ fn world() -> Terrain {
 
 /// A window of the lattice of 257 samples (8 m).
 fn window(from: [i64; 2], end: [i64; 2]) -> Grid {
-    Grid::between(world().grid(257).unwrap().lattice, from, end)
+    Grid::between(world().grid(257).expect("a size that fits").lattice, from, end)
 }
 
 /// The terrain and half a terrain around it, on the lattice of a grid.
@@ -73,11 +73,11 @@ fn run_any(node: &dyn AnyNode, ports: &[&'static str], at: Grid, source: Source<
     };
     let summary: Option<Summary> = node.needs_summary().then(|| {
         let base = terrain.base_grid();
-        node.summarize(&Context::bare(base, &terrain, &cancel), wires(&|_| base)).unwrap()
+        node.summarize(&Context::bare(base, &terrain, &cancel), wires(&|_| base)).expect("a summary")
     });
     let cx = Context { whole: summary.as_ref(), ..Context::bare(at, &terrain, &cancel) };
     let inputs = wires(&|p| clipped(&node.footprint(p, &at, &terrain)));
-    let out = node.run(&cx, inputs)?.get("field").cloned().unwrap();
+    let out = node.run(&cx, inputs)?.get("field").cloned().expect("an output `field`");
     assert_eq!(*out.grid(), at);
     assert_eq!(out.first_not_finite(), None, "{node:?}");
     Ok(out)
@@ -85,7 +85,7 @@ fn run_any(node: &dyn AnyNode, ports: &[&'static str], at: Grid, source: Source<
 
 fn run<N: Node>(node: &N, at: Grid, source: Source<'_>) -> Field {
     let ports: Vec<_> = N::In::PORTS.iter().map(|p| p.name).collect();
-    match run_any(node, &ports, at, source).unwrap() {
+    match run_any(node, &ports, at, source).expect("a result") {
         Value::Field(field) => field,
         other => panic!("a field, got {:?}", other.wire_type()),
     }
@@ -131,7 +131,7 @@ fn tiles_equal_whole<N: Node>(node: &N, source: Source<'_>) {
 fn same_for_any_threads<N: Node>(node: &N, source: Source<'_>) {
     let at = window([-31, -7], [200, 150]);
     let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         // The source is not shared between threads: its values are made first, on the widest window.
         let wide = node_inputs::<N>(node, at, source);
         let given = |p: &str, g: &Grid| {
@@ -215,7 +215,7 @@ fn line(from: i64, values: Vec<f32>) -> Field {
 
 fn blurred(input: &Field, at: Grid, sigma: f64) -> Field {
     let (terrain, cancel) = (world(), Cancel::default());
-    blur::gaussian(&Context::bare(at, &terrain, &cancel), input, at, sigma).unwrap()
+    blur::gaussian(&Context::bare(at, &terrain, &cancel), input, at, sigma).expect("a blur")
 }
 
 /// Weights of a Gaussian at distances 0, 1, …, cut at 9 sigma and summing to 1.
@@ -829,7 +829,8 @@ fn extremes(shape: &Shape) -> Vec<Json> {
 #[test]
 fn results_are_finite_for_every_allowed_parameter_and_hostile_inputs() {
     let at = window([-3, 20], [14, 33]);
-    let inputs: [(&str, fn(i64, i64) -> f32); 4] = [
+    type Pattern = fn(i64, i64) -> f32;
+    let inputs: [(&str, Pattern); 4] = [
         ("huge", |c, r| if (c + r) % 2 == 0 { 1e9 } else { -1e9 }),
         ("tiny", |c, _| if c % 3 == 0 { 1e-40 } else { -1e-40 }),
         ("flat", |_, _| 1e9),
