@@ -9,18 +9,12 @@ use crate::prelude::*;
 ///
 /// # See also
 /// `mix` to blend two of them.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Switch {
     /// Which input is taken: 0 for `a`, 1 for `b`, up to 7 for `h`.
     #[schemars(range(min = 0, max = 7), extend("x-unit" = "1"))]
     pub choice: u32,
-}
-
-impl Default for Switch {
-    fn default() -> Self {
-        Self { choice: 0 }
-    }
 }
 
 ports! {

@@ -144,7 +144,7 @@ impl Profile {
             height,
             base: base + node.offset.0,
             // Never quite 0: a riser stays a function of the height.
-            middle: (0.5 * (1.0 - node.sharpness.0) * (1.0 - node.sharpness.0)).max(1e-4),
+            middle: (0.5 * (1.0 - node.sharpness.0)).max(1e-4),
             lip: node.lip.0,
             variation: node.variation.0,
             seed: cx.seed(node.seed)?,

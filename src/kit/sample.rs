@@ -121,15 +121,16 @@ pub fn method_for(quantity: Quantity, wanted: Interpolation) -> Interpolation {
 }
 
 /// Brings a computed value back to what a field may hold: finite, and 0 to 1 for a mask.
+#[allow(clippy::manual_clamp, reason = "`max` and `min` take the other side of a NaN, `clamp` hands it on")]
 #[inline]
 pub fn fit(quantity: Quantity, value: f32) -> f32 {
     if quantity == Quantity::Mask { value.max(0.0).min(1.0) } else { finite(value) }
 }
 
 /// The nearest finite value; nothing that is not a number passes.
+#[allow(clippy::manual_clamp, reason = "`max` and `min` take the other side of a NaN, `clamp` hands it on")]
 #[inline]
 pub fn finite(value: f32) -> f32 {
-    // `max` and `min` take the other side of a NaN, where `clamp` hands it on.
     value.max(-LARGEST).min(LARGEST)
 }
 
