@@ -97,7 +97,7 @@ impl Node for Colorize {
 
     fn cost(&self, grid: &Grid) -> Cost {
         // A cropped copy of each input, and the table of the ramp.
-        let cost = Cost::per_sample(grid, 15.0).with_fields(grid, 3.0);
+        let cost = Cost::per_sample(grid, 27.0).with_fields(grid, 3.0);
         Cost { bytes: cost.bytes + (1 << 20), ..cost }
     }
 

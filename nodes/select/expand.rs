@@ -82,7 +82,7 @@ impl Node for Expand {
         let cells = |metres: f64| 2.0 * metres / grid.cell() + 1.0;
         let disks = self.steps().len() as f64;
         let around = grid.grow_metres(self.radius.0 + self.soft.0);
-        let seconds = disks * (8.0 + 1.0 * cells(self.radius.0)) + 1.5 * cells(self.soft.0);
+        let seconds = disks * (3.0 + 0.4 * cells(self.radius.0)) + 0.7 * cells(self.soft.0);
         let cost =
             Cost { bytes: morphology::scratch(&around, self.radius.0), ..Cost::per_sample(&around, seconds) };
         let between = if self.soft.0 > 0.0 { 2.0 } else { disks - 1.0 };

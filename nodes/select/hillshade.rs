@@ -85,7 +85,7 @@ impl Node for Hillshade {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        derivative::cost(grid, if self.light == Light::Single { 5.0 } else { 10.0 }, 8)
+        derivative::cost(grid, if self.scale.is_some() { 16.0 } else { 8.0 }, 8)
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {

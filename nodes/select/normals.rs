@@ -72,7 +72,7 @@ impl Node for Normals {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        derivative::cost(grid, 10.0, 8)
+        derivative::cost(grid, if self.scale.is_some() { 20.0 } else { 12.0 }, 8)
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {

@@ -19,6 +19,7 @@ use crate::prelude::*;
 /// The paper looks at every cell along a direction; smoothing makes far and narrow peaks count a little less.
 ///
 /// # Limits
+/// With few directions a lone spike throws a star instead of a halo.
 /// The detail that takes effect is a whole number of cells, one at least.
 ///
 /// # See also
@@ -42,7 +43,7 @@ pub struct Occlusion {
 
 impl Default for Occlusion {
     fn default() -> Self {
-        Self { radius: Metres(500.0), directions: 16, exaggeration: Number(1.0), detail: None }
+        Self { radius: Metres(500.0), directions: 32, exaggeration: Number(1.0), detail: None }
     }
 }
 
@@ -85,7 +86,8 @@ impl Node for Occlusion {
         let lines = 6 * grid.cols as u64 * rayon::current_num_threads() as u64;
         Cost {
             bytes: 4 * (levels.map(|g| g.len() as u64).sum::<u64>() + largest + lines),
-            seconds: grid.len() as f64 * (4.0 + 0.7 * looks as f64) * 1e-9 + passes * 3e-9,
+            seconds: grid.len() as f64 * (8.0 * f64::from(self.directions) + 0.7 * looks as f64) * 1e-9
+                + passes * 3e-9,
         }
     }
 

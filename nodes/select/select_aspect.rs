@@ -78,7 +78,7 @@ impl Node for SelectAspect {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        derivative::cost(grid, 20.0, 8)
+        derivative::cost(grid, if self.scale.is_some() { 30.0 } else { 17.0 }, 8)
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {

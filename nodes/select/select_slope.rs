@@ -68,7 +68,7 @@ impl Node for SelectSlope {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        derivative::cost(grid, 8.0, 8)
+        derivative::cost(grid, if self.scale.is_some() { 20.0 } else { 12.0 }, 8)
     }
 
     fn check(&self) -> Result<()> {

@@ -237,7 +237,7 @@ fn ground(height: f32, slope: f32) -> [f32; 3] {
         let u = ((x - lo) / (hi - lo)).clamp(0.0, 1.0);
         u * u * (3.0 - 2.0 * u)
     };
-    let (plain, forest, meadow, heath) = (lab(0x7b8452), lab(0x3a4d2c), lab(0x707448), lab(0x86795a));
+    let (plain, forest, meadow, heath) = (lab(0x7b8452), lab(0x43562f), lab(0x707448), lab(0x86795a));
     let (rock, pale_rock, scree, snow) = (lab(0x6a625a), lab(0x8d877f), lab(0x9b9183), lab(0xf4f6f9));
     // Green by height: fields where it is low and flat, forest, alpine meadow, then heath and scree.
     let flat = 1.0 - rise(3.0, 12.0, slope);
