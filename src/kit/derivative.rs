@@ -9,7 +9,7 @@
 //! No lattice finer than the base grid is asked for unless the window has one: the scale that takes effect is the
 //! larger of the scale and the cell of the lattice that was read.
 
-use super::math::{DEGREES, atan2, compass};
+use super::math::{DEGREES, atan2, compass, within};
 use super::shifted::Shifted;
 use crate::node::{Context, Cost, Reach, Result};
 use crate::units::Metres;
@@ -160,8 +160,7 @@ impl<'a> Derivative<'a> {
 /// Scales, and keeps even the differences of huge heights finite.
 fn bounded(mut values: Vec<f32>, factor: f32) -> Vec<f32> {
     for v in &mut values {
-        // `max` and `min` pass over NaN, `clamp` does not.
-        *v = (*v * factor).max(-STEEPEST).min(STEEPEST);
+        *v = within(*v * factor, STEEPEST);
     }
     values
 }

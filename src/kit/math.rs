@@ -41,6 +41,13 @@ pub fn smooth(u: f32) -> f32 {
     u * u * (3.0 - 2.0 * u)
 }
 
+/// The number within `±limit`; NaN becomes a limit too.
+#[inline]
+#[allow(clippy::manual_clamp, reason = "`clamp` keeps NaN, and a field must be finite")]
+pub fn within(x: f32, limit: f32) -> f32 {
+    x.max(-limit).min(limit)
+}
+
 /// A range of a quantity that is chosen whole, and how far beyond it the choice fades out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
@@ -91,6 +98,12 @@ mod tests {
         }
         assert_eq!(compass(0.0, 0.0), 0.0);
         assert_eq!(compass(-1e-30, 1.0), 0.0);
+    }
+
+    #[test]
+    fn within_is_finite() {
+        let found = [2.0, -2.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN].map(|x| within(x, 5.0));
+        assert_eq!(found, [2.0, -2.0, 5.0, -5.0, -5.0]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Colour ramps: from a number between 0 and 1 to a colour.
 //!
-//! Ramps run through OKLab [ottosson2020], so that the colours between two stops are neither muddy nor banded, and
+//! Ramps run through Oklab [ottosson2020], so that the colours between two stops are neither muddy nor banded, and
 //! give sRGB-encoded colours, as a picture file holds them.
 
 use std::sync::LazyLock;
