@@ -59,7 +59,7 @@ impl Node for Curve {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        Cost::per_sample(grid, 20.0)
+        Cost { bytes: 1 << 12, ..Cost::per_sample(grid, 20.0) }
     }
 
     fn check(&self) -> Result<()> {
