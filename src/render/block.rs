@@ -14,7 +14,7 @@ const THICKNESS: f64 = 0.035;
 /// Samples along a side of the grid on which the floor's share of the sky is computed.
 const FLOOR_GRID: usize = 384;
 /// The floor's reflectance, linear.
-const FLOOR: [f32; 3] = [0.50, 0.485, 0.46];
+const FLOOR: [f32; 3] = [0.36, 0.355, 0.345];
 /// Rock of the sides, dark and light layers, linear.
 const LAYERS: [[f32; 3]; 2] = [[0.105, 0.075, 0.054], [0.31, 0.235, 0.165]];
 /// The soil on top of them, linear.

@@ -12,7 +12,7 @@ pub enum Edge {
     /// The terrain is a block with cut sides that stands on a pale floor.
     #[default]
     Block,
-    /// The terrain fades into haze; a sea goes on to the horizon.
+    /// The land goes on as its own mirror image, for a third of its length, and sinks into haze under the sky.
     Haze,
 }
 
@@ -126,6 +126,15 @@ impl Eye {
         Self { origin: above(origin, surface, base), forward, right, up, size, pixel }
     }
 
+    /// Distance from the box around the terrain; 0 inside it.
+    pub(super) fn distance(&self, surface: &Surface) -> f64 {
+        let [width, depth] = surface.extent();
+        let box_end = [width, depth, f64::from(surface.highest)];
+        let away: [f64; 3] =
+            std::array::from_fn(|k| (-self.origin[k]).max(self.origin[k] - box_end[k]).max(0.0));
+        dot(away, away).sqrt()
+    }
+
     /// The ray through a place of the picture, in pixels from its upper left.
     pub(super) fn ray(&self, x: f64, y: f64) -> Ray {
         let (a, b) = ((x - self.size[0] * 0.5) * self.pixel, (self.size[1] * 0.5 - y) * self.pixel);
@@ -140,15 +149,21 @@ fn placed([x, y, z]: [f64; 3], scene: &Scene<'_>, surface: &Surface) -> [f64; 3]
     let grid = scene.height.grid();
     let lowest = scene.height.range().map_or(0.0, |(low, _)| f64::from(low));
     // The surface is a little smaller than the field where it was averaged.
-    let shrink = surface.extent()[0] / ((grid.cols - 1) as f64 * grid.cell());
-    [(x - grid.x(0)) * shrink, (y - grid.y(0)) * shrink, (z - lowest) * scene.exaggeration]
+    let cols = (surface.z.cols - 2 * surface.margin - 1) as f64;
+    let shrink = cols * surface.cell / ((grid.cols - 1) as f64 * grid.cell());
+    let margin = surface.margin as f64 * surface.cell;
+    [(x - grid.x(0)) * shrink + margin, (y - grid.y(0)) * shrink + margin, (z - lowest) * scene.exaggeration]
 }
 
 /// Points that should be seen: a net over the surface, and the feet of a block.
 fn outline(surface: &Surface, base: f64, edge: Edge) -> Vec<[f64; 3]> {
     const NET: usize = 96;
     let top = surface.top();
-    let steps = |count: usize| (0..=NET).map(move |n| n * (count - 1) / NET);
+    // Where the land goes on, the middle of the terrain fills the picture.
+    let inset = if edge == Edge::Haze { NET / 5 } else { 0 };
+    let margin = surface.margin;
+    let steps =
+        |count: usize| (inset..=NET - inset).map(move |n| margin + n * (count - 2 * margin - 1) / NET);
     let point = |i: usize, j: usize, z: f64| [i as f64 * surface.cell, j as f64 * surface.cell, z];
     let net = steps(top.rows).flat_map(|j| steps(top.cols).map(move |i| (i, j)));
     let mut points: Vec<_> = net.map(|(i, j)| point(i, j, f64::from(top.row(j)[i]))).collect();

@@ -28,7 +28,10 @@ pub fn map(scene: &Scene<'_>, width: Option<usize>, watch: &Watch<'_>) -> Result
             [width, height.clamp(1, MAX_PIXELS)]
         }
     };
-    let work = [0, 1].map(|k| if from[k] < size[k] { size[k] } else { from[k].min(3 * size[k]) }.max(2));
+    let work = [0, 1].map(|k| {
+        if from[k] < size[k] { size[k] } else { from[k].min(3 * size[k]).min(size[k].max(super::MAX_WORK)) }
+            .max(2)
+    });
     let surface = Surface::new(scene, work, &watch.stage(0.0, 0.1))?;
     let sky = Sky::new(scene.sun, scene.exposure);
     let mut lit = Lit::new(scene, &surface, &sky, &watch.stage(0.1, 0.9))?;

@@ -75,17 +75,24 @@ impl<'a> Material<'a> {
                 let patches = self.patches(i, j);
                 // Hollows hold soil and woods, crests are bare: shelter moves the height at which things grow.
                 let shelter = (openness - 0.88).clamp(-0.35, 0.12);
-                let share = share * self.top + 0.09 * patches + 0.28 * shelter * (0.3 + share);
+                let share = share * self.top + 0.11 * patches + 0.28 * shelter * (0.3 + share);
                 satellite(share, slope * self.steepness + 5.0 * patches)
             }
         };
         let light = encoded.map(|x| self.linear(x));
+        // A ramp has the colours of leaves and stones near by; the air between makes land paler and warmer.
+        let paler = |share: f32| {
+            let grey = 0.2126 * light[0] + 0.7152 * light[1] + 0.0722 * light[2];
+            light.map(|x| x + share * (grey - x))
+        };
         match self.paint {
             Paint::Satellite => {
                 let grain = 1.0 + 0.10 * self.patches(i.wrapping_mul(3), j.wrapping_mul(3));
-                light.map(|x| x * grain)
+                let [r, g, b] = paler(0.22).map(|x| x * grain);
+                [1.14 * r + 0.012, 1.04 * g + 0.009, 0.97 * b + 0.006]
             }
-            _ => light,
+            Paint::Ramp(_) => paler(0.12),
+            Paint::Own | Paint::Clay => light,
         }
     }
 

@@ -9,22 +9,23 @@ use super::plane::{Plane, resampled};
 use super::sky::{Direction, Sky, dot};
 use super::surface::{Surface, working_grid};
 use super::trace::{Hit, Ray, Tracer};
-use super::{Scene, Watch};
-use crate::kit::hash;
+use super::{MAX_WORK, Scene, Watch};
 use crate::node::Result;
 
 /// Optical depth of the haze along the longer side of the terrain at its foot, for red, green and blue.
 const HAZE: [f64; 3] = [0.20, 0.27, 0.38];
 /// Height over which the haze thins to a third, as a share of the longer side.
 const HAZE_HEIGHT: f64 = 0.10;
-/// Where a terrain fades into haze: the share of its shorter side along each border.
-const FADE: f64 = 0.12;
+/// How far the land goes on where it fades into haze, as a share of the longer side.
+const MARGIN: f64 = 0.35;
 /// Contrast within a pixel above which it is looked at more closely, in light of the screen.
 const CONTRAST: f32 = 0.03;
 /// Radius of the sun as it blurs the block's shadow on the floor, in radians.
-const SUN_RADIUS: f64 = 0.012;
+const SUN_RADIUS: f64 = 0.022;
 /// Variance of the slopes of waves: how far the glitter of the sun spreads.
 const WAVES: f64 = 0.012;
+/// How far waves tilt the mirror at most.
+const WAVE_TILT: f64 = 0.016;
 
 /// Draws the terrain as a camera sees it: sun, cast shadows, sky, haze, water with reflections.
 ///
@@ -38,8 +39,17 @@ pub fn perspective(scene: &Scene<'_>, camera: &Camera, watch: &Watch<'_>) -> Res
     scene.check()?;
     camera.check()?;
     let grid = scene.height.grid();
-    let size = working_grid([grid.cols, grid.rows], (3 * camera.width.max(camera.height)).max(1024));
-    let surface = Surface::new(scene, size, &watch.stage(0.0, 0.05))?;
+    let from = [grid.cols, grid.rows];
+    let longest = (3 * camera.width.max(camera.height)).max(1024);
+    let watch_surface = watch.stage(0.0, 0.05);
+    let surface = match camera.edge {
+        Edge::Block => Surface::new(scene, working_grid(from, longest), &watch_surface)?,
+        Edge::Haze => {
+            let inner = longest.min(MAX_WORK) as f64 / (1.0 + 2.0 * MARGIN);
+            Surface::new(scene, working_grid(from, inner as usize), &watch_surface)?
+                .mirrored(MARGIN, &watch_surface)?
+        }
+    };
     let sky = Sky::new(scene.sun, scene.exposure);
     let lit = Lit::new(scene, &surface, &sky, &watch.stage(0.05, 0.45))?;
     let view = View::new(scene, camera, &surface, &sky, lit, &watch.stage(0.45, 0.55))?;
@@ -63,6 +73,8 @@ struct View<'a> {
     block: Option<Block>,
     sea: Option<f64>,
     haze: f64,
+    /// Distance to the terrain: there is no haze in that clear air.
+    clear: f64,
     longer: f64,
 }
 
@@ -94,8 +106,20 @@ impl<'a> View<'a> {
         let base = block.as_ref().map_or(0.0, |block| block.base);
         let eye = Eye::new(camera, scene, surface, base);
         let [width, depth] = surface.extent();
+        let clear = eye.distance(surface);
         let lamp = Lamp { sky, shadow: scene.shadow as f32 };
-        Ok(Self { surface, tracer, light, lamp, eye, block, sea, haze: scene.haze, longer: width.max(depth) })
+        Ok(Self {
+            surface,
+            tracer,
+            light,
+            lamp,
+            eye,
+            block,
+            sea,
+            haze: scene.haze,
+            clear,
+            longer: width.max(depth),
+        })
     }
 
     /// The light of a pixel on the screen.
@@ -105,8 +129,10 @@ impl<'a> View<'a> {
         let sample = |n: usize| {
             let (a, b) = (ORDER[n] % 4, ORDER[n] / 4);
             let (x, y) = (column as f64 + (a as f64 + 0.5) / 4.0, row as f64 + (b as f64 + 0.5) / 4.0);
-            let noise = hash::nth(row as u64, column as u64 * 16 + n as u64);
-            developed(self.seen(&self.eye.ray(x, y), noise))
+            // Another net picks parts of the sun and of the waves: the same in each pixel, so that soft edges are
+            // overlays of sixteen sharp ones instead of grain.
+            let tilt = [b as f64, ((a + b) % 4) as f64].map(|x| (x - 1.5) / 1.5);
+            developed(self.seen(&self.eye.ray(x, y), tilt))
         };
         let first: [[f32; 3]; 4] = std::array::from_fn(sample);
         let add = |sum: [f32; 3], x: [f32; 3]| [sum[0] + x[0], sum[1] + x[1], sum[2] + x[2]];
@@ -123,10 +149,12 @@ impl<'a> View<'a> {
     }
 
     /// The light that comes along a ray.
-    fn seen(&self, ray: &Ray, noise: u64) -> [f32; 3] {
+    fn seen(&self, ray: &Ray, tilt: [f64; 2]) -> [f32; 3] {
         let over = self.tracer.over(ray, 0.0);
         let hit = self.tracer.hit(ray, 0.0);
-        let water = self.water_hit(ray).filter(|&t| hit.is_none_or(|hit| t < hit.t));
+        // A sea floor that lies at the level itself, as in many elevation models, is under water too.
+        let shore = 1e-6 * self.longer;
+        let water = self.water_hit(ray).filter(|&t| hit.is_none_or(|hit| t < hit.t + shore));
         let entry = over.map_or(0.0, |[enter, _]| enter);
         match &self.block {
             Some(block) => {
@@ -141,26 +169,29 @@ impl<'a> View<'a> {
                 }
                 let inside = water.filter(|&t| over.is_some_and(|[a, b]| a <= t && t <= b));
                 match (inside, hit) {
-                    (Some(t), _) => self.through_air(self.water(ray, t, noise), ray, t),
+                    (Some(t), _) => self.through_air(self.water(ray, t, tilt), ray, t),
                     (None, Some(hit)) if ray.at(hit.t)[2] >= block.base => {
                         self.through_air(self.ground(ray, hit), ray, hit.t)
                     }
-                    _ => self.floor(block, ray, noise),
+                    _ => self.floor(block, ray, tilt),
                 }
             }
             None => {
-                let open = |ray: &Ray| match self.water_hit(ray) {
-                    Some(t) => self.through_air(self.water(ray, t, noise), ray, t),
-                    None => self.background(ray.direction),
-                };
-                match (water, hit) {
-                    (Some(_), _) | (None, None) => open(ray),
-                    (None, Some(hit)) => {
-                        let near = self.faded(hit);
-                        let light = self.through_air(self.ground(ray, hit), ray, hit.t);
-                        if near >= 1.0 { light } else { mix(open(ray), light, near) }
+                let (near, light) = match (water, hit) {
+                    (Some(t), _) => {
+                        let p = ray.at(t);
+                        let [u, v] = [p[0] / self.surface.cell, p[1] / self.surface.cell];
+                        match self.faded(u, v) {
+                            near if near > 0.0 => (near, self.through_air(self.water(ray, t, tilt), ray, t)),
+                            _ => return self.background(ray.direction),
+                        }
                     }
-                }
+                    (None, Some(hit)) => {
+                        (self.faded(hit.u, hit.v), self.through_air(self.ground(ray, hit), ray, hit.t))
+                    }
+                    (None, None) => return self.background(ray.direction),
+                };
+                mix(self.background(ray.direction), light, near)
             }
         }
     }
@@ -196,10 +227,10 @@ impl<'a> View<'a> {
     }
 
     /// What water sends to a ray that meets it at a distance.
-    fn water(&self, ray: &Ray, t: f64, noise: u64) -> [f32; 3] {
+    fn water(&self, ray: &Ray, t: f64, tilt: [f64; 2]) -> [f32; 3] {
         let p = ray.at(t);
         let [u, v] = [p[0] / self.surface.cell, p[1] / self.surface.cell];
-        let normal = self.wave(p, t, noise);
+        let normal = Self::wave(tilt);
         let facing = (-dot(normal, ray.direction)).max(0.02);
         let turned: [f64; 3] = std::array::from_fn(|k| ray.direction[k] + 2.0 * facing * normal[k]);
         let up = [turned[0], turned[1], turned[2].max(0.01)];
@@ -213,7 +244,7 @@ impl<'a> View<'a> {
                 mix(
                     self.background(mirrored.direction),
                     light,
-                    if self.block.is_some() { 1.0 } else { self.faded(hit) },
+                    if self.block.is_some() { 1.0 } else { self.faded(hit.u, hit.v) },
                 )
             }
             None => self.background(mirrored.direction),
@@ -223,26 +254,11 @@ impl<'a> View<'a> {
         // Waves hide each other at a grazing look: rough water never mirrors all.
         let share = (0.02 + 0.98 * square * square * grazing).min(0.62) as f32;
         let width = 0.5 * t * self.eye.pixel / self.surface.cell;
-        let body = self.body(u, v, width / facing.sqrt());
+        let body = self.light_at(u, v, width / facing.sqrt());
         let glitter = self.glitter(ray.direction);
         std::array::from_fn(|k| {
             body[k] * (1.0 - share) + reflected[k] * share + self.lamp.sky.sunlight[k] * glitter
         })
-    }
-
-    /// The colour of the water itself; beyond the terrain that of its border runs out into deep water.
-    fn body(&self, u: f64, v: f64, width: f64) -> [f32; 3] {
-        let z = &self.surface.z;
-        let outside =
-            |x: f64, n: usize| (-x).max(x - (n - 1) as f64).max(0.0) * self.surface.cell / self.longer;
-        let away = (outside(u, z.cols).max(outside(v, z.rows)) / 0.25) as f32;
-        let near = self.light_at(u, v, width);
-        let border = !(self.tracer.height(u, v) <= self.sea.unwrap_or(f64::INFINITY));
-        if away <= 0.0 && !border {
-            return near;
-        }
-        let deep = self.lamp.light([0.012, 0.052, 0.10], [0.0, 0.0, 1.0], 1.0, [1.0; 2]);
-        if border && away > 0.0 { deep } else { mix(near, deep, rise(0.0, 1.0, away)) }
     }
 
     /// The sun in many small waves.
@@ -257,25 +273,24 @@ impl<'a> View<'a> {
     }
 
     /// The normal of the water: waves too small to see, as a random tilt of each ray.
-    fn wave(&self, _place: [f64; 3], _t: f64, noise: u64) -> Direction {
-        let tilt = |n: u64| (hash::unit(noise, n) + hash::unit(noise, n + 2) - 1.0) * 0.022;
-        let (x, y) = (tilt(1), tilt(2));
+    fn wave(tilt: [f64; 2]) -> Direction {
+        let [x, y] = tilt.map(|x| x * WAVE_TILT);
         let length = (1.0 + x * x + y * y).sqrt();
         [x / length, y / length, 1.0 / length]
     }
 
-    fn floor(&self, block: &Block, ray: &Ray, noise: u64) -> [f32; 3] {
+    fn floor(&self, block: &Block, ray: &Ray, tilt: [f64; 2]) -> [f32; 3] {
         let t = (block.base - ray.origin[2]) / ray.direction[2];
         if ray.direction[2] >= 0.0 || !t.is_finite() || t > 400.0 * self.longer {
             return self.background(ray.direction);
         }
         let p = ray.at(t);
         // Some part of the sun, so that the shadow has a soft edge.
-        let tilt = |n: u64| (hash::unit(noise, n) - 0.5) * 2.0 * SUN_RADIUS;
         let to_sun = self.lamp.sky.to_sun;
-        let to_sun = [to_sun[0] + tilt(1), to_sun[1] + tilt(2), to_sun[2]];
+        let to_sun = [to_sun[0] + tilt[0] * SUN_RADIUS, to_sun[1] + tilt[1] * SUN_RADIUS, to_sun[2]];
         let light = block.floor([p[0], p[1]], to_sun, &self.tracer, &self.lamp);
-        self.through_air(light, ray, t)
+        let far = 1.0 - libm::exp(-(t / (7.0 * self.longer)) * (t / (7.0 * self.longer)));
+        mix(self.through_air(light, ray, t), self.background(ray.direction), far as f32)
     }
 
     /// The outward normal of the side of the block that a point lies on.
@@ -290,18 +305,17 @@ impl<'a> View<'a> {
         sides.into_iter().min_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).map_or([0.0; 3], |side| side.1)
     }
 
-    /// How much of the terrain is left at a place near its border, 0 to 1.
-    fn faded(&self, hit: Hit) -> f32 {
-        let z = &self.surface.z;
-        let (cols, rows) = ((z.cols - 1) as f64, (z.rows - 1) as f64);
-        let inside = hit.u.min(cols - hit.u).min(hit.v).min(rows - hit.v);
-        rise(0.0, 1.0, (inside / (FADE * cols.min(rows))) as f32)
+    /// How much of the land is left at a place beyond the terrain, 0 to 1.
+    fn faded(&self, u: f64, v: f64) -> f32 {
+        let (z, margin) = (&self.surface.z, self.surface.margin as f64);
+        let inside = |x: f64, count: usize| x.min((count - 1) as f64 - x) / margin.max(1.0);
+        rise(0.0, 1.0, inside(u, z.cols).min(inside(v, z.rows)) as f32)
     }
 
     /// Sky, and haze below the horizon.
     fn background(&self, direction: Direction) -> [f32; 3] {
         let air = self.lamp.sky.airlight(direction);
-        let clear = rise(0.0, 0.12, direction[2] as f32);
+        let clear = rise(0.0, 0.09, direction[2] as f32);
         if clear <= 0.0 { air } else { mix(air, self.lamp.sky.radiance(direction), clear) }
     }
 
@@ -319,7 +333,7 @@ impl<'a> View<'a> {
         } else {
             (density(from) - density(to)) / (to - from)
         };
-        let way = self.haze * mean.clamp(0.0, 8.0) * t / self.longer;
+        let way = self.haze * mean.clamp(0.0, 8.0) * (t - self.clear).max(0.0) / self.longer;
         let air = self.lamp.sky.airlight(ray.direction);
         std::array::from_fn(|k| {
             let left = libm::exp(-HAZE[k] * way) as f32;

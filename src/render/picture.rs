@@ -59,7 +59,7 @@ const BRIGHTEST: f32 = 16.0;
 fn film_curve(light: f64) -> f64 {
     const START: f64 = 0.20;
     const LENGTH: f64 = 0.36;
-    const TOE: f64 = 1.18;
+    const TOE: f64 = 1.12;
     let shoulder = START + (1.0 - START) * LENGTH;
     let toe = START * libm::pow(light / START, TOE);
     let rolled = 1.0 - (1.0 - shoulder) * libm::exp(-(light - shoulder) / (1.0 - shoulder));

@@ -16,6 +16,15 @@ const FORWARD: f64 = 0.74;
 /// The sun's radius as drawn, in degrees: three times the real one, which a picture would not show.
 const DISC: f64 = 0.8;
 
+/// How bright level ground comes out of the exposure, in units of its reflectance.
+const BRIGHTNESS: f64 = 1.35;
+/// How much brighter the sky is shown than it is: a picture of land is exposed for the land.
+const SKY_BRIGHTNESS: f64 = 1.7;
+/// Entries of the table of far air: it is a smooth function.
+const AIR: usize = 64;
+/// Height above the horizon of the air before far land.
+const AIR_UP: f64 = 0.05;
+
 /// East, south and up.
 pub(super) type Direction = [f64; 3];
 
@@ -29,7 +38,10 @@ pub(super) struct Sky {
     /// Light of the whole sky on level ground.
     pub(super) skylight: [f32; 3],
     sun_mass: f64,
-    exposure: f64,
+    /// Exposure and white balance.
+    gain: [f64; 3],
+    /// The light of far air by the cosine of the angle to the sun, from -1 to 1.
+    air: Vec<[f32; 3]>,
 }
 
 impl Sky {
@@ -39,23 +51,33 @@ impl Sky {
         let up = libm::sin(altitude);
         let flat = libm::cos(altitude);
         let to_sun = [flat * libm::sin(azimuth), -flat * libm::cos(azimuth), up];
-        let mut sky =
-            Self { to_sun, sunlight: [0.0; 3], skylight: [0.0; 3], sun_mass: air_mass(up), exposure: 1.0 };
+        let sun_mass = air_mass(up);
+        let mut sky = Self {
+            to_sun,
+            sunlight: [0.0; 3],
+            skylight: [0.0; 3],
+            sun_mass,
+            gain: [1.0; 3],
+            air: Vec::new(),
+        };
         let sunlight = transmitted(sky.sun_mass);
         let skylight = sky.irradiance();
-        let total = |k: usize| sunlight[k] * (0.45 + 0.55 * up) + skylight[k];
-        // What the eye takes for white lies between sun and sky: a third of the cast of the light is taken out.
-        let grey = 0.2126 * total(0) + 0.7152 * total(1) + 0.0722 * total(2);
-        sky.exposure = 1.12 * std::f64::consts::PI / grey * libm::exp2(stops);
-        sky.sunlight = sunlight.map(|x| (x * sky.exposure / std::f64::consts::PI) as f32);
-        sky.skylight = skylight.map(|x| (x * sky.exposure / std::f64::consts::PI) as f32);
+        let total: [f64; 3] = std::array::from_fn(|k| sunlight[k] * (0.45 + 0.55 * up) + skylight[k]);
+        let grey = 0.2126 * total[0] + 0.7152 * total[1] + 0.0722 * total[2];
+        // The eye takes the light for nearly white: half of its cast is taken out.
+        let exposure = BRIGHTNESS * std::f64::consts::PI / grey * libm::exp2(stops);
+        sky.gain = total.map(|x| exposure * (grey / x).sqrt());
+        let matt =
+            |light: [f64; 3]| std::array::from_fn(|k| (light[k] * sky.gain[k] / std::f64::consts::PI) as f32);
+        (sky.sunlight, sky.skylight) = (matt(sunlight), matt(skylight));
+        sky.air = (0..=AIR).map(|n| sky.far_air(n as f64 * 2.0 / AIR as f64 - 1.0)).collect();
         sky
     }
 
     /// The radiance of the sky in a direction of length 1; below the horizon that of the horizon.
     pub(super) fn radiance(&self, direction: Direction) -> [f32; 3] {
         let along = dot(direction, self.to_sun);
-        let mut light = self.scattered(direction[2].max(0.0), along).map(|x| (x * self.exposure) as f32);
+        let mut light = self.shown(self.scattered(direction[2].max(0.0), along));
         // The disc itself, with an edge of a tenth of its radius.
         let edge = libm::cos(DISC.to_radians());
         if direction[2] > 0.0 && along > edge {
@@ -70,11 +92,22 @@ impl Sky {
     /// The colour that far land takes on in a direction.
     pub(super) fn airlight(&self, direction: Direction) -> [f32; 3] {
         let flat = (direction[0] * direction[0] + direction[1] * direction[1]).sqrt().max(1e-6);
-        // The air before the land is that a little above the horizon, and has less glow than the sky.
-        let up = 0.05;
-        let level = (1.0_f64 - up * up).sqrt() / flat;
-        let along = dot([direction[0] * level, direction[1] * level, up], self.to_sun);
-        self.scattered(up, along.min(0.93)).map(|x| (x * self.exposure) as f32)
+        let level = (1.0 - AIR_UP * AIR_UP).sqrt() / flat;
+        let along = dot([direction[0] * level, direction[1] * level, AIR_UP], self.to_sun).clamp(-1.0, 1.0);
+        let x = (along + 1.0) * 0.5 * AIR as f64;
+        let k = (x as usize).min(AIR - 1);
+        let u = (x - k as f64) as f32;
+        std::array::from_fn(|c| self.air[k][c] + u * (self.air[k + 1][c] - self.air[k][c]))
+    }
+
+    /// The air before land has less glow than the sky, since the land hides most of it.
+    fn far_air(&self, along: f64) -> [f32; 3] {
+        let (bright, even) = (self.scattered(AIR_UP, along.min(0.9)), self.scattered(AIR_UP, 0.0));
+        self.shown(std::array::from_fn(|k| 0.45 * bright[k] + 0.55 * even[k]))
+    }
+
+    fn shown(&self, light: [f64; 3]) -> [f32; 3] {
+        std::array::from_fn(|k| (light[k] * self.gain[k] * SKY_BRIGHTNESS) as f32)
     }
 
     fn scattered(&self, up: f64, along_sun: f64) -> [f64; 3] {
@@ -91,7 +124,7 @@ impl Sky {
             } else {
                 view / (view - sun) * (libm::exp(-depth * sun) - libm::exp(-depth * view))
             };
-            let again = [0.16, 0.24, 0.36][k] * (1.0 - libm::exp(-1.6 * depth * view));
+            let again = [0.205, 0.265, 0.345][k] * (1.0 - libm::exp(-1.6 * depth * view));
             (phase * path + again * libm::exp(-0.6 * depth * sun)) / (4.0 * std::f64::consts::PI)
         })
     }

@@ -1,6 +1,6 @@
 //! The ground that is drawn: heights on the working grid.
 
-use super::plane::{Plane, resampled};
+use super::plane::{Blend, Plane, resampled};
 use super::{MAX_WORK, Scene, Watch};
 use crate::node::Result;
 
@@ -20,6 +20,8 @@ pub(super) struct Surface {
     pub(super) exaggeration: f32,
     /// Highest of `z`.
     pub(super) highest: f32,
+    /// Samples on every side that were added beyond the terrain.
+    pub(super) margin: usize,
 }
 
 impl Surface {
@@ -48,7 +50,19 @@ impl Surface {
             ..Plane { cols, rows, data: Vec::new() }
         });
         let cell = grid.cell() * grid.cols as f64 / cols as f64;
-        Ok(Self { z, top, color, cell, sea, exaggeration: factor, highest })
+        Ok(Self { z, top, color, cell, sea, exaggeration: factor, highest, margin: 0 })
+    }
+
+    /// The surface with a margin of its mirror image on every side, a share of its longer side wide.
+    pub(super) fn mirrored(self, share: f64, watch: &Watch<'_>) -> Result<Self> {
+        let margin = (self.z.cols.max(self.z.rows) as f64 * share) as usize;
+        Ok(Self {
+            z: grown(&self.z, margin, watch)?,
+            top: self.top.map(|top| grown(&top, margin, watch)).transpose()?,
+            color: self.color.map(|color| grown(&color, margin, watch)).transpose()?,
+            margin,
+            ..self
+        })
     }
 
     /// What light meets.
@@ -74,6 +88,22 @@ impl Surface {
         let length = (a * a + b * b + scale * scale).sqrt();
         [-a / length, -b / length, scale / length]
     }
+}
+
+/// A plane with a margin of its mirror image.
+fn grown<T: Blend>(plane: &Plane<T>, margin: usize, watch: &Watch<'_>) -> Result<Plane<T>> {
+    // The border sample is the mirror: it is not repeated, and margins may be longer than the plane.
+    let fold = |k: usize, count: usize| {
+        let period = 2 * (count - 1);
+        let k = (k + period - margin % period) % period;
+        k.min(period - k)
+    };
+    Plane::fill(watch, [plane.cols + 2 * margin, plane.rows + 2 * margin], |j, out: &mut [T]| {
+        let row = plane.row(fold(j, plane.rows));
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = row[fold(i, plane.cols)];
+        }
+    })
 }
 
 /// The grid that light is computed on for a picture `width` samples wide or `longest` long: at least twice as fine

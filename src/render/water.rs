@@ -8,15 +8,15 @@ use crate::node::Result;
 /// How fast water swallows red, green and blue, relative to each other.
 const SWALLOWED: [f32; 3] = [2.3, 0.95, 0.62];
 /// The colour that deep water sends back, linear.
-const DEEP: [f32; 3] = [0.010, 0.042, 0.085];
+const DEEP: [f32; 3] = [0.010, 0.050, 0.105];
 /// The colour that sunlit shallow water scatters back, linear.
 const SHALLOW: [f32; 3] = [0.060, 0.235, 0.270];
 /// The sea floor near the coast, linear.
 const FLOOR: [f32; 3] = [0.42, 0.37, 0.26];
 /// Samples of the grid on which the nearness of a coast is found.
 const COAST_GRID: usize = 256;
-/// How far a coast reaches into a sea without depths, in samples of that grid.
-const COAST_REACH: f64 = 3.2;
+/// How far shallows and shelf reach into a sea without depths, in samples of that grid.
+const COAST_REACH: [f64; 2] = [2.0, 14.0];
 
 /// The water of a scene.
 pub(super) struct Water {
@@ -62,7 +62,7 @@ impl Water {
             None => (self.level - z).max(0.0) / self.clarity,
             Some(coast) => {
                 let near = coast.at(i, j);
-                0.12 + 6.0 * (1.0 - near) * (1.0 - near)
+                0.22 + 4.5 * (1.0 - near) * (1.0 - near)
             }
         };
         std::array::from_fn(|k| {
@@ -84,8 +84,14 @@ impl Coast {
         })?;
         let size = working_grid(from, COAST_GRID);
         let land = resampled(watch, &land.data, from, size)?;
-        let across = blurred_rows(&land, watch)?.transposed(watch)?;
-        let near = blurred_rows(&across, watch)?.transposed(watch)?;
+        let [shallows, shelf] = COAST_REACH.map(|reach| {
+            let across = blurred_rows(&land, reach, watch)?.transposed(watch)?;
+            blurred_rows(&across, reach, watch)?.transposed(watch)
+        });
+        let (mut near, shelf) = (shallows?, shelf?);
+        for (near, shelf) in near.data.iter_mut().zip(&shelf.data) {
+            *near = 0.55 * *near + 0.45 * shelf;
+        }
         Ok(Self { near, scale: size[0] as f64 / from[0] as f64 })
     }
 
@@ -95,9 +101,9 @@ impl Coast {
     }
 }
 
-fn blurred_rows(plane: &Plane<f32>, watch: &Watch<'_>) -> Result<Plane<f32>> {
-    let reach = (3.0 * COAST_REACH) as i64;
-    let weight = |n: i64| libm::exp(-0.5 * (n as f64 / COAST_REACH) * (n as f64 / COAST_REACH));
+fn blurred_rows(plane: &Plane<f32>, sigma: f64, watch: &Watch<'_>) -> Result<Plane<f32>> {
+    let reach = (3.0 * sigma) as i64;
+    let weight = |n: i64| libm::exp(-0.5 * (n as f64 / sigma) * (n as f64 / sigma));
     let total: f64 = (-reach..=reach).map(weight).sum();
     let kernel: Vec<f32> = (-reach..=reach).map(|n| (weight(n) / total) as f32).collect();
     Plane::fill(watch, [plane.cols, plane.rows], |j, out| {
