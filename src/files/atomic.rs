@@ -40,7 +40,7 @@ pub fn write_atomic<T, E: From<io::Error>>(
     dir: &Dir,
     name: &str,
     write: impl FnOnce(&mut File) -> Result<T, E>,
-) -> Result<(T, Stamp), E> {
+) -> Result<(Stamp, T), E> {
     if name.is_empty() || name.contains(['/', '\\', '\0']) || name == "." || name == ".." {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "not the name of a file").into());
     }
@@ -55,7 +55,7 @@ pub fn write_atomic<T, E: From<io::Error>>(
     if let Ok(folder) = dir.open(".") {
         let _ = folder.sync_all();
     }
-    Ok((result, stamp))
+    Ok((stamp, result))
 }
 
 fn open<'a>(dir: &'a Dir, name: &str) -> io::Result<(Passing<'a>, File)> {
@@ -113,7 +113,7 @@ mod tests {
     fn writes_whole_files_with_their_sum() {
         let (_temp, dir) = folder();
         let write = |f: &mut File| f.write_all(b"abc");
-        let ((), stamp) = write_atomic(&dir, "a.txt", write).expect("writes");
+        let (stamp, ()) = write_atomic(&dir, "a.txt", write).expect("writes");
         // FIPS 180-2, appendix B.1.
         assert_eq!(stamp.sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
         assert_eq!((stamp.bytes, names(&dir)), (3, vec!["a.txt".to_owned()]));

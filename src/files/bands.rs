@@ -16,8 +16,6 @@ const BAND_BYTES: usize = 1 << 18;
 /// Some rows that are pressed together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Band {
-    /// Number among the bands.
-    pub(super) index: usize,
     /// First row.
     pub(super) first_row: usize,
     /// Rows.
@@ -53,7 +51,7 @@ impl Split {
     fn band(&self, index: usize) -> Band {
         let first_row = index * self.band;
         let rows = self.band.min(self.rows - first_row);
-        Band { index, first_row, rows, last: first_row + rows == self.rows }
+        Band { first_row, rows, last: first_row + rows == self.rows }
     }
 }
 

@@ -5,7 +5,7 @@
 
 use std::io::{Cursor, Seek, SeekFrom, Write};
 
-use exr::prelude::{AnyChannel, FlatSamples, MetaData, ReadChannels, ReadLayers, read};
+use exr::prelude::{AnyChannel, FlatSamples, MetaData, ReadChannels, ReadLayers};
 
 use super::bands::{self, Band};
 use super::error::{Fault, WriteError};
@@ -20,8 +20,8 @@ const HEIGHT_CHANNELS: [&str; 7] = ["y", "z", "height", "h", "elevation", "r", "
 
 /// Reads the channel of a picture that holds heights.
 pub(super) fn read(bytes: &[u8], sidecar: &Sidecar, limits: &Limits) -> Result<HeightFile, Fault> {
-    check(bytes, limits)?;
-    let image = self::read_first_layer(bytes)?;
+    guarded(|| check(bytes, limits))?;
+    let image = guarded(|| read_first_layer(bytes))?;
     let layer = image.layer_data;
     let (cols, rows) = (layer.size.x(), layer.size.y());
     let channels = layer.channel_data.list;
@@ -31,9 +31,6 @@ pub(super) fn read(bytes: &[u8], sidecar: &Sidecar, limits: &Limits) -> Result<H
         HEIGHT_CHANNELS.iter().position(|n| *n == name).unwrap_or(HEIGHT_CHANNELS.len())
     };
     let chosen = channels.into_iter().min_by_key(rank).ok_or_else(|| Fault::damaged("no channel"))?;
-    if chosen.sampling.x() != 1 || chosen.sampling.y() != 1 {
-        return Err(Fault::unsupported("a channel with fewer samples than the picture has pixels"));
-    }
     let mut origin = Origin::new(Source::Exr, "f32");
     origin.bands = bands;
     if bands > 1 {
@@ -58,6 +55,13 @@ pub(super) fn read(bytes: &[u8], sidecar: &Sidecar, limits: &Limits) -> Result<H
     Ok(file)
 }
 
+/// Turns a panic into an error: the `exr` crate divides and subtracts by what a damaged file says.
+fn guarded<T>(work: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
+    // Nothing outlives the closure that could be left half done.
+    let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(work));
+    result.unwrap_or_else(|_| Err(Fault::damaged("its blocks contradict its header")))
+}
+
 /// Checks what the header claims.
 fn check(bytes: &[u8], limits: &Limits) -> Result<(), Fault> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(fault)?;
@@ -66,12 +70,13 @@ fn check(bytes: &[u8], limits: &Limits) -> Result<(), Fault> {
         if header.deep {
             return Err(Fault::unsupported("deep pictures"));
         }
+        if header.channels.list.iter().any(|c| c.sampling.x() != 1 || c.sampling.y() != 1) {
+            return Err(Fault::unsupported("channels with fewer samples than the picture has pixels"));
+        }
         let (cols, rows) = (header.layer_size.x() as u64, header.layer_size.y() as u64);
         limits.samples(cols, rows)?;
         claimed = claimed.saturating_add(header.total_pixel_bytes() as u64);
         // Every channel of a layer is unpacked, so they count together.
-        let channels = header.channels.list.len() as u64;
-        limits.samples(cols, rows.saturating_mul(channels.max(1)).min(u64::from(limits.side)))?;
         if claimed / 4 > limits.samples {
             let (samples, side) = (limits.samples, limits.side);
             return Err(Fault::Size { cols, rows, samples, side });
@@ -83,7 +88,7 @@ fn check(bytes: &[u8], limits: &Limits) -> Result<(), Fault> {
 type FirstLayer = exr::image::Image<exr::image::Layer<exr::image::AnyChannels<FlatSamples>>>;
 
 fn read_first_layer(bytes: &[u8]) -> Result<FirstLayer, Fault> {
-    let reader = read().no_deep_data().largest_resolution_level().all_channels();
+    let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
     let reader = reader.first_valid_layer().all_attributes().non_parallel();
     reader.from_buffered(Cursor::new(bytes)).map_err(fault)
 }

@@ -1,6 +1,7 @@
 //! The first directory of a TIFF file, every entry checked to lie within the file.
 
 use super::super::error::Fault;
+use super::tag;
 
 /// A directory: its entries, in the order of the file.
 #[derive(Debug)]
@@ -28,7 +29,7 @@ fn width(kind: u16) -> Option<usize> {
     })
 }
 
-fn part(bytes: &[u8], at: u64, len: u64, what: &'static str) -> Result<&[u8], Fault> {
+fn part<'a>(bytes: &'a [u8], at: u64, len: u64, what: &'static str) -> Result<&'a [u8], Fault> {
     let end = at.checked_add(len).filter(|e| *e <= bytes.len() as u64);
     let short = Fault::Short { what, want: at.saturating_add(len), found: bytes.len() as u64 };
     end.map(|e| &bytes[at as usize..e as usize]).ok_or(short)
@@ -63,7 +64,8 @@ impl<'a> Directory<'a> {
             } else {
                 match part(bytes, number(&raw[value..]), length, "a value") {
                     Ok(found) => found,
-                    // A damaged value matters only where somebody asks for it.
+                    Err(fault) if tag::READ.contains(&tag) => return Err(fault),
+                    // Of the tags that other programs leave, a damaged one does no harm here.
                     Err(_) => continue,
                 }
             };

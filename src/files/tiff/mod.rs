@@ -37,7 +37,35 @@ mod tag {
     pub(super) const TRANSFORMATION: u16 = 34264;
     pub(super) const GEO_KEYS: u16 = 34735;
     pub(super) const GEO_DOUBLES: u16 = 34736;
-    pub(super) const GEO_TEXT: u16 = 34737;
     pub(super) const GDAL_METADATA: u16 = 42112;
     pub(super) const GDAL_NODATA: u16 = 42113;
+
+    /// All that the reader looks at.
+    pub(super) const READ: [u16; 25] = [
+        WIDTH,
+        LENGTH,
+        BITS,
+        COMPRESSION,
+        PHOTOMETRIC,
+        FILL_ORDER,
+        STRIP_OFFSETS,
+        SAMPLES,
+        ROWS_PER_STRIP,
+        STRIP_COUNTS,
+        PLANAR,
+        PREDICTOR,
+        TILE_WIDTH,
+        TILE_LENGTH,
+        TILE_OFFSETS,
+        TILE_COUNTS,
+        EXTRA_SAMPLES,
+        SAMPLE_FORMAT,
+        PIXEL_SCALE,
+        TIE_POINTS,
+        TRANSFORMATION,
+        GEO_KEYS,
+        GEO_DOUBLES,
+        GDAL_METADATA,
+        GDAL_NODATA,
+    ];
 }

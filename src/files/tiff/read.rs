@@ -34,7 +34,23 @@ pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<HeightFile, Fault> {
         origin.range = top.map(|top| [summand, summand + factor * top]).filter(|[lo, hi]| lo < hi);
         data.par_iter_mut().for_each(|v| *v = (f64::from(*v) * factor + summand) as f32);
     }
-    Ok(HeightFile { cols: layout.cols, rows: layout.rows, data, metres: true, placement, origin })
+    let mut file =
+        HeightFile { cols: layout.cols, rows: layout.rows, data, metres: true, placement, origin };
+    north_up(&mut file);
+    Ok(file)
+}
+
+/// Turns a file around whose rows run from south to north by its own coordinates.
+fn north_up(file: &mut HeightFile) {
+    if let Some(a) = &mut file.placement.affine
+        && a.is_upright()
+        && a.row[1] > 0.0
+    {
+        a.origin = a.at(0.0, (file.rows - 1) as f64);
+        a.row[1] = -a.row[1];
+        file.flip();
+        file.origin.notes.push("its rows run from south to north; they were turned around".into());
+    }
 }
 
 /// The type of a sample.
