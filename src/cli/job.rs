@@ -128,7 +128,7 @@ impl Job {
             tile: many.then_some(tile.place),
             ..WriteJob::new(value, self.format(), terrain, *whole)
         };
-        let (written, stamp) =
+        let (stamp, written) =
             write_atomic(folder, &file, |out| encode(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
         let notes = written.notes;
         if let Some(sidecar) = &written.sidecar {

@@ -65,7 +65,7 @@ fn cases() -> Vec<(&'static str, Json)> {
         json!({"cone": {"radius": 3000.0}}),
         json!({"dome": {"radius": 3000.0}}),
     ] {
-        cases.push(("gradient", json!({"form": form, "centre": [200.0, -300.0]})));
+        cases.push(("gradient", json!({"form": form, "center": [200.0, -300.0]})));
     }
     cases.push(("multifractal", json!({"roughness": 0.8, "octaves": 6})));
     cases

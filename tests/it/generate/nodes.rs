@@ -44,7 +44,7 @@ fn gradients_have_their_profiles() {
     let grid = terrain.grid(401).unwrap();
     // 10 m a cell; the middle of the terrain is column 200, row 100.
     let at = |form: Json, col: i64, row: i64| {
-        let params = json!({"form": form, "centre": [-100.0, 50.0], "foot": 20.0, "top": 120.0});
+        let params = json!({"form": form, "center": [-100.0, 50.0], "foot": 20.0, "top": 120.0});
         f64::from(run("gradient", params, grid, &terrain).at(col, row))
     };
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-4, "{a}, should be {b}");
