@@ -181,7 +181,7 @@ impl Graph {
         self.migrate_kinds();
         self.link();
         self.apply_exposed(&without_value);
-        self.terrain = super::settings::terrain(&self.settings);
+        self.look_at_settings();
         Ok(())
     }
 

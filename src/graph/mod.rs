@@ -63,6 +63,8 @@ pub struct Graph {
     extra: Map<String, Json>,
     /// What was doubtful in the file that was read, and is settled when it is written anew.
     notes: Vec<Problem>,
+    /// Errors of the terrain and of exposed parameters.
+    stopped: Vec<Problem>,
     /// The file as it was read, while nothing has changed.
     original: Option<Arc<[u8]>>,
 }
@@ -94,6 +96,7 @@ impl Graph {
             versions: Map::new(),
             extra: Map::new(),
             notes: Vec::new(),
+            stopped: Vec::new(),
             original: None,
         }
     }
