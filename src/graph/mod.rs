@@ -39,7 +39,6 @@ pub use schema::schema;
 pub use settings::terrain_params;
 pub use wires::Source;
 use wires::Wire;
-pub use write::save_bytes;
 
 use crate::nodes::Registry;
 use crate::value::Terrain;
