@@ -23,7 +23,11 @@ macro_rules! registry {
 registry! {
     /// Makes fields from nothing.
     generate {
+        cellular_noise: CellularNoise,
         constant: Constant,
+        fractal_noise: FractalNoise,
+        gradient: Gradient,
+        multifractal: Multifractal,
     }
 
     /// Reads height files.
@@ -33,14 +37,39 @@ registry! {
 
     /// Puts two fields together.
     blend {
+        combine: Combine,
+        mix: Mix,
+        switch: Switch,
     }
 
     /// Changes a field.
     filter {
+        blur: Blur,
+        clamp: Clamp,
+        curve: Curve,
+        edge_falloff: EdgeFalloff,
+        equalize: Equalize,
+        invert: Invert,
+        median: Median,
+        remap: Remap,
+        sharpen: Sharpen,
+        terrace: Terrace,
+        transform: Transform,
+        warp: Warp,
     }
 
     /// Finds places by height, slope, direction or form, and shows them.
     select {
+        colorize: Colorize,
+        distance: Distance,
+        expand: Expand,
+        hillshade: Hillshade,
+        normals: Normals,
+        occlusion: Occlusion,
+        select_aspect: SelectAspect,
+        select_curvature: SelectCurvature,
+        select_height: SelectHeight,
+        select_slope: SelectSlope,
     }
 }
 

@@ -76,7 +76,9 @@ impl EngineArgs {
 impl GridArgs {
     /// The grid of the whole terrain and the asked-for window of it.
     pub(super) fn grids(&self, terrain: &Terrain) -> Result<(Grid, Grid), Stop> {
-        let whole = terrain.grid(self.size.unwrap_or(terrain.base)).map_err(|e| Stop::usage(format!("--size: {e}")))?;
+        let whole = terrain
+            .grid(self.size.unwrap_or(terrain.base))
+            .map_err(|e| Stop::usage(format!("--size: {e}")))?;
         let Some(text) = &self.region else { return Ok((whole, whole)) };
         let bounds = region(text).ok_or_else(|| {
             Stop::usage(format!("--region takes four numbers in metres, west,north,east,south, got `{text}`"))
@@ -86,7 +88,9 @@ impl GridArgs {
             let b = terrain.bounds();
             return Err(Stop::usage(format!(
                 "--region {text} holds fewer than two samples each way; the terrain goes from {:?} to {:?} m in cells of {} m",
-                b.min, b.max, whole.cell()
+                b.min,
+                b.max,
+                whole.cell()
             )));
         }
         Ok((whole, window))
@@ -118,7 +122,11 @@ pub(super) fn parse_bytes(text: &str) -> Result<u64, String> {
     };
     let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
     let bytes = value * factor;
-    if bytes >= 1.0 && bytes < 1e18 { Ok(bytes as u64) } else { Err(format!("must be at least one byte, got `{text}`")) }
+    if bytes >= 1.0 && bytes < 1e18 {
+        Ok(bytes as u64)
+    } else {
+        Err(format!("must be at least one byte, got `{text}`"))
+    }
 }
 
 #[cfg(test)]

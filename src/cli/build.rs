@@ -69,7 +69,8 @@ enum Backend {
 
 pub(super) fn run(args: Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
     if args.backend == Backend::Gpu {
-        let message = "--backend gpu: no node kind of this version runs on the GPU; use --backend cpu or auto";
+        let message =
+            "--backend gpu: no node kind of this version runs on the GPU; use --backend cpu or auto";
         return Err(Stop::new(Exit::Device, message));
     }
     let Opened { graph, files, problems, variables } = open::open(&args.graph, registry)?;
@@ -89,7 +90,8 @@ pub(super) fn run(args: Args, registry: &Registry, cancel: &Cancel) -> Result<Ex
     let mut report = Report::start(&report_path, head)?;
     let engine = Engine::new(&args.engine.options(), files)?;
     let progress = Progress::new(args.progress);
-    let build = Build { graph: &graph, engine: &engine, progress: &progress, cancel, whole, many: tiles.len() > 1 };
+    let build =
+        Build { graph: &graph, engine: &engine, progress: &progress, cancel, whole, many: tiles.len() > 1 };
     let outcome = build.all(&names, args.format, &tiles, folder, &mut report);
     progress.end();
     let exit = outcome?;
@@ -104,7 +106,12 @@ fn source_files(graph: &Graph, path: &std::path::Path) -> Vec<PathBuf> {
     nodes.flat_map(|n| n.files()).map(|f| folder.join(f.name)).collect()
 }
 
-fn head(graph: &Graph, args: &Args, whole: &Grid, variables: serde_json::Map<String, Json>) -> serde_json::Map<String, Json> {
+fn head(
+    graph: &Graph,
+    args: &Args,
+    whole: &Grid,
+    variables: serde_json::Map<String, Json>,
+) -> serde_json::Map<String, Json> {
     let mut head = serde_json::Map::new();
     let mut put = |name: &str, value: Json| head.insert(name.to_owned(), value);
     put("orograph", json!(env!("CARGO_PKG_VERSION")));
@@ -152,7 +159,8 @@ impl Build<'_> {
         }
         // A few samples tell what each output is, and so its format and range, before anything large runs.
         self.resolve(&mut jobs, tiles, &mut failed, report)?;
-        let files: Vec<String> = jobs.iter().flat_map(|j| tiles.iter().flat_map(|t| j.files(t, self.many))).collect();
+        let files: Vec<String> =
+            jobs.iter().flat_map(|j| tiles.iter().flat_map(|t| j.files(t, self.many))).collect();
         folder.claim(&files)?;
         for tile in tiles {
             if jobs.is_empty() {
@@ -162,12 +170,17 @@ impl Build<'_> {
             let mut dropped = Vec::new();
             for (i, (job, value)) in jobs.iter().zip(&evaluation.values).enumerate() {
                 let written = match value {
-                    Ok(value) => job.write(value, tile, self.many, self.graph.terrain(), &self.whole, folder.path()),
+                    Ok(value) => {
+                        job.write(value, tile, self.many, self.graph.terrain(), &self.whole, folder.dir())
+                    }
                     Err(failure) => Err(Stop::new(Exit::of(failure), failure)),
                 };
                 match written {
                     Ok(entry) => {
-                        entry.notes.iter().for_each(|n| self.progress.say(&format!("note: output `{}`: {n}", job.name)));
+                        entry
+                            .notes
+                            .iter()
+                            .for_each(|n| self.progress.say(&format!("note: output `{}`: {n}", job.name)));
                         report.output(entry.json);
                     }
                     Err(stop) => {
@@ -208,7 +221,9 @@ impl Build<'_> {
         }
         let mut failures: Vec<(String, String, Exit)> = Vec::new();
         let fault = |job: &Job, f: &crate::engine::Failure| (job.name.clone(), f.to_string(), Exit::of(f));
-        failures.extend(jobs.iter().zip(&looks.values).filter_map(|(j, v)| v.as_ref().err().map(|f| fault(j, f))));
+        failures.extend(
+            jobs.iter().zip(&looks.values).filter_map(|(j, v)| v.as_ref().err().map(|f| fault(j, f))),
+        );
         // One range for the whole terrain, never one a tile: that of the base grid.
         let base = self.graph.terrain().base_grid();
         self.progress.label("range");
@@ -229,7 +244,11 @@ impl Build<'_> {
     }
 
     fn evaluate(&self, jobs: &[Job], tile: &Tile, report: &mut Report) -> Result<Evaluation, Stop> {
-        self.progress.label(if self.many { format!("tile {},{}", tile.column, tile.row) } else { String::new() });
+        self.progress.label(if self.many {
+            format!("tile {},{}", tile.place.col, tile.place.row)
+        } else {
+            String::new()
+        });
         Ok(self.values(jobs, &tile.grid, report)?)
     }
 

@@ -2,8 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use super::exit::{Exit, Stop};
-use crate::files::{Encoding, FileJob, Format, Limits, encode_file, read_height_as, sidecar_name, write_atomic};
+use cap_std::ambient_authority;
+use cap_std::fs::Dir;
+
+use super::exit::{Exit, Stop, save};
+use crate::files::{
+    Encoding, FileJob, Format, Limits, encode_file, read_height_as, sidecar_name, write_atomic,
+};
 use crate::node::Cancel;
 
 #[derive(Debug, clap::Args)]
@@ -45,14 +50,16 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     let format = args.format.or_else(|| Format::of_name(&name));
     let format = format.ok_or_else(|| Stop::usage(format!("`{name}` names no format; say --format")))?;
     let range = args.range.as_deref().map(range).transpose()?;
-    let same = |a: &Path, b: &Path| a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b);
+    let same =
+        |a: &Path, b: &Path| a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b);
     if same(&args.input, &args.output) {
         return Err(Stop::usage("the input is never overwritten; name another output"));
     }
     if args.output.symlink_metadata().is_ok() && !args.overwrite {
         return Err(Stop::usage(format!("{} is there already; say --overwrite", args.output.display())));
     }
-    let bytes = std::fs::read(&args.input).map_err(|e| Stop::new(Exit::Input, format!("cannot read {input}: {e}")))?;
+    let bytes = std::fs::read(&args.input)
+        .map_err(|e| Stop::new(Exit::Input, format!("cannot read {input}: {e}")))?;
     let sidecar = std::fs::read(sidecar_name(&input)).ok();
     let encoding = if args.terrarium { Encoding::Terrarium } else { Encoding::Auto };
     let mut file = read_height_as(&input, &bytes, sidecar.as_deref(), &Limits::default(), encoding)
@@ -62,21 +69,28 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
         file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
     }
     cancel.check().map_err(|e| Stop::new(Exit::Cancelled, e))?;
-    let job = FileJob { file: &file, format, range, clip: args.clip, flip: args.flip };
+    let job = FileJob {
+        range,
+        clip: args.clip,
+        flip: args.flip,
+        cancel: Some(cancel),
+        ..FileJob::new(&file, format)
+    };
     let folder = args.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let cannot = |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot open {}: {e}", folder.display()));
+    let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
     let (_, written) =
-        write_atomic(folder, &name, |out| encode_file(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
+        write_atomic(&dir, &name, |out| encode_file(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
     if let Some(sidecar) = &written.sidecar {
-        let path = folder.join(sidecar_name(&name));
-        crate::graph::save_bytes(&path, format!("{sidecar:#}\n").as_bytes())
-            .map_err(|e| Stop::new(Exit::Failed, format!("cannot write {}: {e}", path.display())))?;
+        save(&folder.join(sidecar_name(&name)), format!("{sidecar:#}\n").as_bytes())?;
     }
     written.notes.iter().for_each(|n| eprintln!("note: {n}"));
     Ok(Exit::Done)
 }
 
 fn range(text: &str) -> Result<[f64; 2], Stop> {
-    let parsed = text.split_once(',').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    let parsed =
+        text.split_once(',').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
     let upwards = parsed.filter(|[lo, hi]: &[f64; 2]| lo.is_finite() && hi.is_finite() && lo < hi);
     upwards.ok_or_else(|| Stop::usage(format!("--range takes LOW,HIGH with LOW below HIGH, got `{text}`")))
 }

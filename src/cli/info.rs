@@ -36,10 +36,12 @@ pub(super) fn is_graph(path: &std::path::Path) -> bool {
 
 fn height_file(args: &Args) -> Result<Exit, Stop> {
     let name = args.file.to_string_lossy();
-    let bytes = std::fs::read(&args.file).map_err(|e| Stop::new(Exit::Input, format!("cannot read {name}: {e}")))?;
+    let bytes =
+        std::fs::read(&args.file).map_err(|e| Stop::new(Exit::Input, format!("cannot read {name}: {e}")))?;
     let sidecar = std::fs::read(crate::files::sidecar_name(&name)).ok();
-    let info = crate::files::info(&name, &bytes, sidecar.as_deref()).map_err(|e| Stop::new(Exit::Input, e))?;
-    print(&if args.json { format!("{:#}\n", info.to_json()) } else { info.to_string() })
+    let info =
+        crate::files::info(&name, &bytes, sidecar.as_deref(), &crate::files::Limits::default()).map_err(|e| Stop::new(Exit::Input, e))?;
+    print(&if args.json { format!("{:#}\n", json!(info)) } else { info.to_string() })
 }
 
 fn as_json(graph: &Graph) -> serde_json::Value {
@@ -51,7 +53,9 @@ fn as_json(graph: &Graph) -> serde_json::Value {
             "label": e.label, "about": e.about,
         })
     });
-    let outputs = graph.outputs().map(|(name, o)| json!({ "name": name, "from": o.from, "format": o.format, "about": o.about }));
+    let outputs = graph
+        .outputs()
+        .map(|(name, o)| json!({ "name": name, "from": o.from, "format": o.format, "about": o.about }));
     json!({
         "title": about.title, "author": about.author, "license": about.license, "about": about.about,
         "tags": about.tags, "terrain": graph.terrain(), "nodes": graph.nodes().len(),
@@ -72,7 +76,13 @@ fn text(graph: &Graph) -> String {
     field("license", &about.license);
     field("about", &about.about);
     field("tags", &about.tags.join(", "));
-    field("terrain", &format!("{} x {} m, sea level {} m, seed {}, base {}", t.width, t.depth, t.sea_level, t.seed, t.base));
+    field(
+        "terrain",
+        &format!(
+            "{} x {} m, sea level {} m, seed {}, base {}",
+            t.width, t.depth, t.sea_level, t.seed, t.base
+        ),
+    );
     field("nodes", &graph.nodes().len().to_string());
     for (name, e) in graph.exposed() {
         let unit = graph.exposed_param(name).ok().and_then(|p| p.unit).filter(|u| u != "1");

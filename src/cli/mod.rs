@@ -7,12 +7,14 @@ mod convert;
 mod exit;
 mod folder;
 mod info;
+mod job;
 mod nodes;
 mod open;
 mod plan;
 mod progress;
 mod render;
 mod report;
+mod tiles;
 
 use std::process::ExitCode;
 

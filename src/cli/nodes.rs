@@ -29,7 +29,8 @@ pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
     }
     if let Some(id) = &args.kind {
         let kind = registry.find(id);
-        let kind = kind.ok_or_else(|| Stop::usage(format!("there is no kind `{id}`{}", registry.suggest(id))))?;
+        let kind =
+            kind.ok_or_else(|| Stop::usage(format!("there is no kind `{id}`{}", registry.suggest(id))))?;
         return print(&if args.json { format!("{:#}\n", as_json(kind)) } else { page(kind) });
     }
     if args.json {
@@ -65,7 +66,9 @@ fn first_sentence(doc: &str) -> String {
 
 fn as_json(kind: &'static Kind) -> serde_json::Value {
     let ports = |ports: &mut dyn Iterator<Item = &'static Port>| -> serde_json::Value {
-        ports.map(|p| json!({ "name": p.name, "type": p.wire.name(), "required": p.required, "doc": p.doc })).collect()
+        ports
+            .map(|p| json!({ "name": p.name, "type": p.wire.name(), "required": p.required, "doc": p.doc }))
+            .collect()
     };
     json!({
         "kind": kind.id,
@@ -153,9 +156,11 @@ fn cell(text: &str) -> String {
 fn write_pages(folder: &Path, registry: &Registry) -> Result<Exit, Stop> {
     let write = |name: &str, text: &str| {
         let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|e| Stop::new(Exit::Failed, format!("cannot write {}: {e}", path.display())))
+        std::fs::write(&path, text)
+            .map_err(|e| Stop::new(Exit::Failed, format!("cannot write {}: {e}", path.display())))
     };
-    std::fs::create_dir_all(folder).map_err(|e| Stop::new(Exit::Failed, format!("{}: {e}", folder.display())))?;
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Stop::new(Exit::Failed, format!("{}: {e}", folder.display())))?;
     let mut index = String::from("# Nodes\n\nMade by `orograph nodes --docs`; do not edit.\n");
     for family in families(registry) {
         let _ = write!(index, "\n## {}\n\n", title(family));

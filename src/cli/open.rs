@@ -23,7 +23,7 @@ pub(super) struct Opened {
 /// Reads the file alone.
 pub(super) fn load(path: &Path, registry: &Registry) -> Result<Graph, Stop> {
     Graph::open(path, registry).map_err(|e| {
-        let exit = if matches!(e, LoadError::Io { .. }) { Exit::Input } else { Exit::Graph };
+        let exit = if matches!(e, LoadError::Io(_)) { Exit::Input } else { Exit::Graph };
         Stop::new(exit, e)
     })
 }
@@ -33,7 +33,9 @@ pub(super) fn open(args: &GraphArgs, registry: &Registry) -> Result<Opened, Stop
     let mut graph = load(&args.graph, registry)?;
     let mut files = Files::default();
     let folder = args.graph.parent().unwrap_or(Path::new("."));
-    files.allow_folder(folder).map_err(|e| Stop::new(Exit::Input, format!("cannot open the graph's folder: {e}")))?;
+    files
+        .allow_folder(folder)
+        .map_err(|e| Stop::new(Exit::Input, format!("cannot open the graph's folder: {e}")))?;
     for folder in args.allow.iter().cloned().chain(kept_folders()) {
         let opened = files.allow_folder(&folder);
         opened.map_err(|e| Stop::usage(format!("cannot open the folder {}: {e}", folder.display())))?;
@@ -50,21 +52,25 @@ pub(super) fn open(args: &GraphArgs, registry: &Registry) -> Result<Opened, Stop
         }
     }
     for pair in &args.set {
-        let (name, value) =
-            pair.split_once('=').ok_or_else(|| Stop::usage(format!("--set takes NAME=VALUE, got `{pair}`")))?;
+        let (name, value) = pair
+            .split_once('=')
+            .ok_or_else(|| Stop::usage(format!("--set takes NAME=VALUE, got `{pair}`")))?;
         assign(&mut graph, &mut files, name, value).map_err(|e| Stop::usage(format!("--set {name}: {e}")))?;
         variables.insert(name.to_owned(), Json::from(value));
     }
     let settings = [("seed", args.seed), ("base", args.base)];
     for (name, value) in settings.into_iter().filter_map(|(n, v)| Some((n, v?))) {
-        graph.assign(&format!("terrain.{name}"), &value.to_string()).map_err(|e| Stop::usage(format!("--{name}: {e}")))?;
+        graph
+            .assign(&format!("terrain.{name}"), &value.to_string())
+            .map_err(|e| Stop::usage(format!("--{name}: {e}")))?;
     }
     let problems = graph.problems();
     Ok(Opened { graph, files, problems, variables })
 }
 
 fn variables_of(path: &Path) -> Result<serde_json::Map<String, Json>, Stop> {
-    let unreadable = |e: &dyn std::fmt::Display| Stop::new(Exit::Input, format!("--vars: {e}: {}", path.display()));
+    let unreadable =
+        |e: &dyn std::fmt::Display| Stop::new(Exit::Input, format!("--vars: {e}: {}", path.display()));
     let text = std::fs::read(path).map_err(|e| unreadable(&e))?;
     match serde_json::from_slice(&text).map_err(|e| unreadable(&e))? {
         Json::Object(map) => Ok(map),

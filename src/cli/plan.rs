@@ -31,7 +31,10 @@ pub(super) fn chosen(graph: &Graph, names: &[String]) -> Result<Vec<String>, Sto
     let all: Vec<&str> = graph.outputs().map(|(name, _)| name).collect();
     if let Some(unknown) = names.iter().find(|n| !all.contains(&n.as_str())) {
         let hint = crate::params::did_you_mean(unknown, all.iter().copied());
-        return Err(Stop::usage(format!("the graph has no output `{unknown}`; it has {}{hint}", all.join(", "))));
+        return Err(Stop::usage(format!(
+            "the graph has no output `{unknown}`; it has {}{hint}",
+            all.join(", ")
+        )));
     }
     if all.is_empty() {
         return Err(Stop::new(Exit::Graph, "the graph has no outputs; add some under \"outputs\""));
@@ -78,7 +81,8 @@ pub(super) fn warnings(plan: &Plan, names: &[String], window: &Grid) -> Vec<Stri
 }
 
 fn table(plan: &Plan, names: &[String], window: &Grid) -> String {
-    let mut rows = vec![["node", "kind", "stage", "grid", "detail m", "memory", "seconds", "cached"].map(String::from)];
+    let mut rows =
+        vec![["node", "kind", "stage", "grid", "detail m", "memory", "seconds", "cached"].map(String::from)];
     for t in plan.tasks() {
         rows.push([
             t.node,
@@ -100,7 +104,8 @@ fn table(plan: &Plan, names: &[String], window: &Grid) -> String {
         text.push('\n');
     }
     for (i, name) in names.iter().enumerate() {
-        let detail = plan.effective_cell(i).map_or("cannot be made".into(), |c| format!("detail down to {c:.3} m"));
+        let detail =
+            plan.effective_cell(i).map_or("cannot be made".into(), |c| format!("detail down to {c:.3} m"));
         text += &format!("output {name}: {} x {}, {detail}\n", window.cols, window.rows);
     }
     text += &format!("peak memory {}, {:.2} s on one core\n", bytes(plan.peak_bytes()), plan.seconds());
@@ -108,7 +113,7 @@ fn table(plan: &Plan, names: &[String], window: &Grid) -> String {
 }
 
 fn json_of(plan: &Plan, names: &[String], window: &Grid) -> String {
-    let tasks: Vec<_> = plan.tasks().into_iter().map(|t| {
+    let tasks = plan.tasks().into_iter().map(|t| {
         json!({
             "node": t.node, "kind": t.kind, "stage": t.stage.name(), "cols": t.grid.cols, "rows": t.grid.rows,
             "cell": t.grid.cell(), "effective_cell": t.effective_cell, "backend": "cpu",
@@ -116,7 +121,7 @@ fn json_of(plan: &Plan, names: &[String], window: &Grid) -> String {
         })
     });
     let tasks: Vec<_> = tasks.collect();
-    let outputs: Vec<_> = names.iter().enumerate().map(|(i, name)| {
+    let outputs = names.iter().enumerate().map(|(i, name)| {
         json!({ "name": name, "cols": window.cols, "rows": window.rows, "effective_cell": plan.effective_cell(i) })
     });
     let outputs: Vec<_> = outputs.collect();

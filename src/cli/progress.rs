@@ -74,7 +74,8 @@ impl Progress {
         let done: f64 = state.tasks.iter().zip(&state.shares).map(|(t, s)| weight(t) * f64::from(*s)).sum();
         let share = if state.total > 0.0 { done / state.total } else { 0.0 };
         self.bar.set_position((share * 1000.0) as u64);
-        let names: Vec<_> = state.running.iter().filter_map(|&i| Some(state.tasks.get(i)?.node.as_str())).collect();
+        let names: Vec<_> =
+            state.running.iter().filter_map(|&i| Some(state.tasks.get(i)?.node.as_str())).collect();
         self.bar.set_message(format!("{} {}", state.label, names.join(", ")));
     }
 
@@ -84,7 +85,8 @@ impl Progress {
         }
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(t) = state.tasks.get(task) else { return };
-        let mut line = json!({ "event": event, "part": state.label, "node": t.node, "stage": t.stage.name() });
+        let mut line =
+            json!({ "event": event, "part": state.label, "node": t.node, "stage": t.stage.name() });
         if let (Some(line), Some(rest)) = (line.as_object_mut(), rest.as_object()) {
             line.extend(rest.clone());
         }

@@ -25,7 +25,9 @@ pub(super) fn tiles(args: &TileArgs, window: &Grid) -> Result<Vec<Tile>, Stop> {
             let counts = pair(text, 'x').filter(|c| c.iter().all(|n| *n > 0));
             counts.ok_or_else(|| Stop::usage(format!("--tiles takes NxM, as 4x4, got `{text}`")))?
         }
-        (None, Some(size)) if size < 2 => return Err(Stop::usage(format!("--tile-size must be at least 2, got {size}"))),
+        (None, Some(size)) if size < 2 => {
+            return Err(Stop::usage(format!("--tile-size must be at least 2, got {size}")));
+        }
         (None, Some(size)) => steps.map(|s| s.div_ceil(u64::from(size - 1))),
         (None, None) => [1, 1],
     };
@@ -41,7 +43,9 @@ pub(super) fn tiles(args: &TileArgs, window: &Grid) -> Result<Vec<Tile>, Stop> {
     let tile = |[i, j]: [u64; 2]| {
         let start = [window.col + (i * size[0]) as i64, window.row + (j * size[1]) as i64];
         let end = [start[0] + size[0] as i64 + 1, start[1] + size[1] as i64 + 1];
-        Tile { column: i, row: j, columns: counts[0], rows: counts[1], grid: Grid::between(window.lattice, start, end) }
+        let [col, row, cols, rows] = [i, j, counts[0], counts[1]].map(|n| n as u32);
+        let place = crate::files::Tile { col, row, cols, rows };
+        Tile { place, grid: Grid::between(window.lattice, start, end) }
     };
     if args.tile.is_empty() {
         return Ok(all.map(tile).collect());
@@ -74,11 +78,14 @@ fn uneven(axis: usize, steps: u64, count: u64, side: Option<u64>) -> String {
     match side {
         Some(side) => format!(
             "{} {name} of samples cannot be cut evenly into tiles of {}; a tile size of {} can",
-            steps + 1, side + 1, list(near(side).map(|n| (n + 1).to_string()).collect())
+            steps + 1,
+            side + 1,
+            list(near(side).map(|n| (n + 1).to_string()).collect())
         ),
         None => format!(
             "{} {name} of samples cannot be cut into {count} tiles that share their border; {} can",
-            steps + 1, list(near(count).map(|n| n.to_string()).collect())
+            steps + 1,
+            list(near(count).map(|n| n.to_string()).collect())
         ),
     }
 }
@@ -90,7 +97,11 @@ mod tests {
 
     fn cut(tiles: Option<&str>, tile_size: Option<u32>, tile: &[&str]) -> Result<Vec<Tile>, String> {
         let grid = Terrain::default().grid(1025).unwrap();
-        let args = TileArgs { tiles: tiles.map(Into::into), tile_size, tile: tile.iter().map(|t| (*t).into()).collect() };
+        let args = TileArgs {
+            tiles: tiles.map(Into::into),
+            tile_size,
+            tile: tile.iter().map(|t| (*t).into()).collect(),
+        };
         super::tiles(&args, &grid).map_err(|s| s.message)
     }
 

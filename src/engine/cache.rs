@@ -152,8 +152,11 @@ impl Memory {
         if self.bytes <= self.limit {
             return;
         }
-        let mut by_age: Vec<_> =
-            self.entries.iter().flat_map(|(k, es)| es.iter().map(|e| (e.used, *k, e.given.bytes()))).collect();
+        let mut by_age: Vec<_> = self
+            .entries
+            .iter()
+            .flat_map(|(k, es)| es.iter().map(|e| (e.used, *k, e.given.bytes())))
+            .collect();
         by_age.sort_by_key(|(used, ..)| *used);
         for (used, key, bytes) in by_age {
             if self.bytes <= self.limit {

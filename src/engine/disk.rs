@@ -172,7 +172,8 @@ fn read(mut file: File, kind: &Kind) -> io::Result<Given> {
     let mut text = vec![0; length as usize];
     exact(&mut file, &mut text)?;
     let header: Header = serde_json::from_slice(&text)?;
-    let claimed = header.values.iter().map(|e| e.components as u64 * 4).sum::<u64>() + header.summary.unwrap_or(0) as u64 * 8;
+    let claimed = header.values.iter().map(|e| e.components as u64 * 4).sum::<u64>()
+        + header.summary.unwrap_or(0) as u64 * 8;
     if header.byte_order != 1u32.to_ne_bytes() || claimed > size {
         return Err(damaged());
     }

@@ -31,7 +31,11 @@ pub enum Failure {
 impl Failure {
     /// Whether a missing or unreadable file is the cause.
     pub fn is_file(&self) -> bool {
-        matches!(self, Self::Document { error: node::Error::File { .. }, .. } | Self::Run { error: node::Error::File { .. }, .. })
+        matches!(
+            self,
+            Self::Document { error: node::Error::File { .. }, .. }
+                | Self::Run { error: node::Error::File { .. }, .. }
+        )
     }
 
     /// Whether the document is the cause, not its evaluation.
@@ -61,7 +65,9 @@ pub enum EngineError {
         at: String,
     },
     /// It would take longer than it may.
-    #[error("the evaluation would take about {need:.0} s and may take {budget:.0} s; build a smaller --size or raise --time")]
+    #[error(
+        "the evaluation would take about {need:.0} s and may take {budget:.0} s; build a smaller --size or raise --time"
+    )]
     Time {
         /// Estimated seconds.
         need: f64,

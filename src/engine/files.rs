@@ -138,7 +138,9 @@ fn open_in(dir: &Dir, path: &Path) -> Result<cap_std::fs::File, Refusal> {
 }
 
 fn open_named(path: &Path) -> Result<cap_std::fs::File, Refusal> {
-    let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return Err(Refusal::NotRegular) };
+    let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
+        return Err(Refusal::NotRegular);
+    };
     let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(Refusal::from)?;
     open_in(&dir, Path::new(name))
 }

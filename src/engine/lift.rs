@@ -51,7 +51,8 @@ struct ChangedRows<'a> {
 impl<'a> ChangedRows<'a> {
     fn around(change: &'a [f32], base: &Grid, v: f64) -> Self {
         let first = Tap::at(v, base.rows).first;
-        let rows = (first.saturating_sub(1)..(first + 3).min(base.rows)).map(|r| &change[r * base.cols..][..base.cols]);
+        let rows = (first.saturating_sub(1)..(first + 3).min(base.rows))
+            .map(|r| &change[r * base.cols..][..base.cols]);
         Self { rows: rows.collect() }
     }
 
@@ -93,7 +94,11 @@ fn bounded(x: f32, quantity: Quantity) -> f32 {
     if quantity == Quantity::Mask { x.clamp(0.0, 1.0) } else { x }
 }
 
-fn lift_channels<T: Sample>(cx: &Context<'_>, base: &Raster<T>, finish: impl Fn(f32) -> f32 + Sync) -> Result<Raster<T>> {
+fn lift_channels<T: Sample>(
+    cx: &Context<'_>,
+    base: &Raster<T>,
+    finish: impl Fn(f32) -> f32 + Sync,
+) -> Result<Raster<T>> {
     let grid = base.grid();
     if grid.contains(&cx.grid) {
         return Ok(base.crop(&cx.grid));

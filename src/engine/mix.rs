@@ -28,7 +28,12 @@ pub(super) fn mix(
     Ok(())
 }
 
-fn between<T: Sample>(cx: &Context<'_>, before: &Raster<T>, after: &Raster<T>, mask: &Field) -> Result<Raster<T>> {
+fn between<T: Sample>(
+    cx: &Context<'_>,
+    before: &Raster<T>,
+    after: &Raster<T>,
+    mask: &Field,
+) -> Result<Raster<T>> {
     let (before, after, mask) = (before.crop(&cx.grid), after.crop(&cx.grid), mask.crop(&cx.grid));
     cx.fill(after.quantity(), |row, out: &mut [T]| {
         let (a, b, m) = (before.row(row.j), after.row(row.j), mask.row(row.j));

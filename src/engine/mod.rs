@@ -110,7 +110,8 @@ impl Engine {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
         let pool = pool.map_err(|e| EngineError::Threads(e.to_string()))?;
         let open = |folder: &PathBuf| disk::Disk::open(folder, options.cache_bytes);
-        let disk = options.cache.as_ref().map(open).transpose().map_err(|e| EngineError::Cache(e.to_string()))?;
+        let disk =
+            options.cache.as_ref().map(open).transpose().map_err(|e| EngineError::Cache(e.to_string()))?;
         let store = Store::new(options.memory, disk);
         Ok(Self { pool, store, files, memory: options.memory, seconds: options.seconds })
     }

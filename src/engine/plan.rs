@@ -151,7 +151,11 @@ struct Planner<'a> {
 }
 
 impl Plan {
-    pub(super) fn new(program: Arc<Program>, wants: &[Result<(usize, Grid), SharedFailure>], store: &Store) -> Self {
+    pub(super) fn new(
+        program: Arc<Program>,
+        wants: &[Result<(usize, Grid), SharedFailure>],
+        store: &Store,
+    ) -> Self {
         let base = program.terrain.base_grid();
         let windows = vec![Vec::new(); program.steps.len()];
         let mut planner = Planner { program: &program, store, base, windows, drafts: Vec::new() };
@@ -225,7 +229,8 @@ impl Plan {
         let mut cells: Vec<f64> = Vec::with_capacity(self.tasks.len());
         for task in &self.tasks {
             let own = if task.stage == Stage::Lift { base.max(task.grid.cell()) } else { task.grid.cell() };
-            let inputs = task.needs.iter().filter(|(role, _)| matches!(role, Role::Input { .. } | Role::Fine { .. }));
+            let inputs =
+                task.needs.iter().filter(|(role, _)| matches!(role, Role::Input { .. } | Role::Fine { .. }));
             // A cached lift has no inputs to look at; its own rule covers it.
             let carried = task.stage == Stage::Lift && !self.step(task).kind.meta.carries.is_empty();
             let widest = inputs.map(|(_, t)| cells[*t]).fold(own, f64::max);
@@ -292,7 +297,8 @@ impl Planner<'_> {
 
     fn input_asks(step: &Step, window: impl Fn(&'static str) -> Grid) -> Vec<(Role, Ask)> {
         let kind = step.kind;
-        let own = step.inputs.iter().filter(|i| kind.meta.mixes.is_empty() || i.port != crate::ports::MASK.name);
+        let own =
+            step.inputs.iter().filter(|i| kind.meta.mixes.is_empty() || i.port != crate::ports::MASK.name);
         own.map(|i| {
             let role = Role::Input { port: i.port, from: i.from };
             (role, Ask::Result { step: i.step, grid: window(i.port) })
@@ -302,7 +308,8 @@ impl Planner<'_> {
 
     fn run_asks(&self, step: &Step, grid: &Grid) -> Vec<(Role, Ask)> {
         let terrain = &self.program.terrain;
-        let mut asks = Self::input_asks(step, |port| clip(&step.node.footprint(port, grid, terrain), terrain));
+        let mut asks =
+            Self::input_asks(step, |port| clip(&step.node.footprint(port, grid, terrain), terrain));
         if step.node.needs_summary() {
             asks.push((Role::Summary, Ask::Own(Stage::Summary)));
         }
@@ -352,7 +359,10 @@ impl Planner<'_> {
             });
             let needs = needs.collect();
             let (cost, output_bytes) = match &program.steps[step] {
-                Ok(s) => (cost(s, stage, &grid, &program.terrain.base_grid()), output_bytes(s, stage, &grid, found.as_ref())),
+                Ok(s) => (
+                    cost(s, stage, &grid, &program.terrain.base_grid()),
+                    output_bytes(s, stage, &grid, found.as_ref()),
+                ),
                 Err(_) => (Cost::default(), 0),
             };
             results.0.push((step, stage, grid, tasks.len()));
@@ -375,9 +385,8 @@ impl Results {
     }
 
     fn find(&self, step: usize, grid: &Grid) -> usize {
-        let serves = |r: &&(usize, Stage, Grid, usize)| {
-            matches!(r.1, Stage::Run | Stage::Lift) && r.2.contains(grid)
-        };
+        let serves =
+            |r: &&(usize, Stage, Grid, usize)| matches!(r.1, Stage::Run | Stage::Lift) && r.2.contains(grid);
         let found = self.of_step(step).iter().find(serves);
         found.map(|r| r.3).expect("every window that is asked for was collected")
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::error::{Failure, SharedFailure};
 use super::files::Files;
 use super::key::{Key, Parts};
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, NodeId, Place, Problem};
 use crate::node::{AnyNode, Error, Kind, Reach, SourceFile};
 use crate::value::Terrain;
 
@@ -47,7 +47,8 @@ impl Step {
 
 impl Program {
     pub(super) fn new(graph: &Graph, wanted: &[NodeId], files: &Files) -> Self {
-        let mut program = Self { terrain: graph.terrain().clone(), steps: Vec::new(), index: BTreeMap::new() };
+        let mut program =
+            Self { terrain: graph.terrain().clone(), steps: Vec::new(), index: BTreeMap::new() };
         let (order, cyclic) = upstream(graph, wanted);
         for id in order {
             let step = if cyclic.contains(&id) {
@@ -71,7 +72,9 @@ impl Program {
         let name = graph_node.name.clone();
         let wrong = |error: Error| Arc::new(Failure::Document { node: name.clone(), error });
         let node = graph_node.parse().map_err(wrong)?;
-        let kind = graph_node.kind().ok_or_else(|| Arc::new(Failure::Graph(format!("node `{name}` is of an unknown kind"))))?;
+        let kind = graph_node
+            .kind()
+            .ok_or_else(|| Arc::new(Failure::Graph(format!("node `{name}` is of an unknown kind"))))?;
         let inputs = self.inputs(graph, id, kind, &*node).map_err(|e| match e {
             InputFault::Here(error) => wrong(error),
             InputFault::Upstream(shared) => shared,
@@ -90,11 +93,22 @@ impl Program {
         }
     }
 
-    fn inputs(&self, graph: &Graph, id: NodeId, kind: &Kind, node: &dyn AnyNode) -> Result<Vec<Input>, InputFault> {
+    fn inputs(
+        &self,
+        graph: &Graph,
+        id: NodeId,
+        kind: &Kind,
+        node: &dyn AnyNode,
+    ) -> Result<Vec<Input>, InputFault> {
         let mut inputs = Vec::new();
         for port in kind.inputs().filter(|p| node.uses(p.name)) {
             let Some(source) = graph.source(id, port.name) else {
-                if port.required || graph.node(id).unresolved().any(|(p, _)| p == port.name) {
+                if graph.node(id).unresolved().any(|(p, _)| p == port.name) {
+                    return Err(InputFault::Upstream(Arc::new(Failure::Graph(loose_wire(
+                        graph, id, port.name,
+                    )))));
+                }
+                if port.required {
                     return Err(InputFault::Here(Error::Missing { port: port.name }));
                 }
                 continue;
@@ -108,6 +122,18 @@ impl Program {
         }
         Ok(inputs)
     }
+}
+
+/// What the document says of a wire that does not resolve.
+fn loose_wire(graph: &Graph, id: NodeId, port: &str) -> String {
+    let here = |p: &Problem| {
+        p.blames() == Some(id) && matches!(&p.place, Place::Input { port: name, .. } if name == port)
+    };
+    let problem = graph.problems().into_iter().find(here);
+    problem.map_or_else(
+        || format!("node `{}`, input `{port}`: leads nowhere", graph.node(id).name),
+        |p| p.to_string(),
+    )
 }
 
 enum InputFault {

@@ -135,7 +135,12 @@ impl Runner<'_> {
             Err(failure) => Err(failure.clone()),
         };
         let wanted = self.plan.wanted.iter().map(end).collect();
-        Ran { wanted, reports: state.reports.into_values().collect(), damaged: state.damaged, peak_bytes: state.peak }
+        Ran {
+            wanted,
+            reports: state.reports.into_values().collect(),
+            damaged: state.damaged,
+            peak_bytes: state.peak,
+        }
     }
 
     /// Takes tasks until none is left.
@@ -210,19 +215,21 @@ impl Runner<'_> {
             Err(failure) => Err(failure),
             Ok(given) => match &task.found {
                 Some(Found::Memory(given)) => Ok(Arc::new(given.clone())),
-                Some(Found::Disk(path)) => match self.store.disk.as_ref().and_then(|d| d.get(path, step.kind)) {
-                    Some(given) => {
-                        self.store.keep(task.key, task.grid, &given);
-                        Ok(Arc::new(given))
+                Some(Found::Disk(path)) => {
+                    match self.store.disk.as_ref().and_then(|d| d.get(path, step.kind)) {
+                        Some(given) => {
+                            self.store.keep(task.key, task.grid, &given);
+                            Ok(Arc::new(given))
+                        }
+                        None => {
+                            damaged = true;
+                            Err(Arc::new(Failure::Graph("a file of the cache is damaged".into())))
+                        }
                     }
-                    None => {
-                        damaged = true;
-                        Err(Arc::new(Failure::Graph("a file of the cache is damaged".into())))
-                    }
-                },
-                None => self.compute(i, task, &given).map_err(|error| {
-                    Arc::new(Failure::Run { node: step.name.clone(), error })
-                }),
+                }
+                None => self
+                    .compute(i, task, &given)
+                    .map_err(|error| Arc::new(Failure::Run { node: step.name.clone(), error })),
             },
         };
         let seconds = start.elapsed().as_secs_f64();
@@ -285,7 +292,8 @@ fn wait<'a>(wake: &Condvar, guard: MutexGuard<'a, State>) -> MutexGuard<'a, Stat
 
 fn panicked(panic: &(dyn std::any::Any + Send)) -> Error {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
-    let message = text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".into());
+    let message =
+        text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".into());
     Error::Panic { message }
 }
 
@@ -297,7 +305,13 @@ fn inputs(needs: &[Option<End>]) -> Result<Vec<Arc<Given>>, SharedFailure> {
 
 type Needs<'a> = [(Role, &'a Arc<Given>)];
 
-fn stage(cx: &Context<'_>, task: &Task, node: &dyn AnyNode, kind: &'static crate::node::Kind, needs: &Needs<'_>) -> Result<Given> {
+fn stage(
+    cx: &Context<'_>,
+    task: &Task,
+    node: &dyn AnyNode,
+    kind: &'static crate::node::Kind,
+    needs: &Needs<'_>,
+) -> Result<Given> {
     let mut own = Wires::default();
     for (role, given) in needs {
         if let (Role::Input { port, from }, Some(wires)) = (role, given.wires()) {

@@ -25,7 +25,9 @@ impl Graph {
             return bad(format!("there is no kind `{kind}`{}", self.registry.suggest(kind)));
         };
         if self.nodes().any(|id| matches!(&self.node(id).kind, KindRef::Unknown(k) if k == kind)) {
-            return bad(format!("the file has nodes of the kind `{kind}` in a version that is not known here"));
+            return bad(format!(
+                "the file has nodes of the kind `{kind}` in a version that is not known here"
+            ));
         }
         if self.sequence.len() >= MAX_NODES {
             return bad(format!("would be one more than the limit of {MAX_NODES} nodes"));
@@ -54,7 +56,10 @@ impl Graph {
         let free = |name: &String| node_name_fault(name).is_none() && self.find(name).is_none();
         let stem = wanted.get(..wanted.len().min(56)).unwrap_or("node");
         let numbered = (2..=self.sequence.len() + 2).map(|n| format!("{stem}_{n}"));
-        std::iter::once(wanted.to_owned()).chain(numbered).find(free).unwrap_or_else(|| self.free_name("node"))
+        std::iter::once(wanted.to_owned())
+            .chain(numbered)
+            .find(free)
+            .unwrap_or_else(|| self.free_name("node"))
     }
 
     /// Removes a node with its wires. Outputs that read it stay and are reported; it leaves the binds of exposed
@@ -159,9 +164,15 @@ impl Graph {
         let in_port = self.port(to, input, Side::Input)?;
         let source = Source { node: from, port: out_port.name };
         let (name, text) = (&self.node(to).name, self.source_text(source));
-        let bad = |message| Err(Problem::error(Place::Input { node: name.clone(), port: input.to_owned() }, message).of(to));
+        let bad = |message| {
+            Err(Problem::error(Place::Input { node: name.clone(), port: input.to_owned() }, message).of(to))
+        };
         if out_port.wire != in_port.wire {
-            return bad(format!("takes {}, but `{text}` gives {}", in_port.wire.name(), out_port.wire.name()));
+            return bad(format!(
+                "takes {}, but `{text}` gives {}",
+                in_port.wire.name(),
+                out_port.wire.name()
+            ));
         }
         if from == to {
             return bad(format!("cannot read `{text}`: a node cannot read itself"));
@@ -205,6 +216,8 @@ impl Graph {
             let message = format!("must stand within 1e9 of the middle of the canvas, got {at:?}");
             return Err(Problem::error(Place::Node(self.node(id).name.clone()), message));
         }
+        // The file has no −0.
+        let at = at.map(|v| v + 0.0);
         let node = &mut self.dag[id];
         if node.extra.shift_remove("at").is_some() || node.at != at {
             node.at = at;
@@ -325,6 +338,7 @@ impl Graph {
 
     fn checked_output(&self, name: &str, mut output: Output) -> Result<Output, Problem> {
         Output::forget_known(&mut output.extra);
+        output.range = output.range.map(|ends| ends.map(|v| v + 0.0));
         match self.output_faults(name, &output, &Hints::new()).into_iter().find(Problem::is_error) {
             Some(fault) => Err(fault),
             None => Ok(output),

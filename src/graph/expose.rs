@@ -1,29 +1,16 @@
-//! Parameters by name: those of nodes, the settings of the terrain, and the exposed parameters that stand for them.
+//! Exposed parameters: a name and a value for parameters of nodes and settings of the terrain.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use serde_json::Value as Json;
 
+use super::bind::{Bind, MAX_STEPS, Owner, split};
 use super::parts::{Exposed, Part};
-use super::path::{self, Spot};
+use super::path::Spot;
 use super::problem::{Hints, Place, Problem, listed};
 use super::validate::name_fault;
-use super::{Graph, MAX_NAMED, NodeId, json, terrain_params};
+use super::{Graph, MAX_NAMED, NodeId, json};
 use crate::params::{Param, Shape};
-
-/// What has parameters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Owner {
-    Terrain,
-    Node(NodeId),
-}
-
-/// A parameter of something, or a place inside one.
-#[derive(Clone, Debug)]
-pub(super) struct Bind {
-    pub(super) owner: Owner,
-    pub(super) path: Vec<String>,
-}
 
 /// An exposed parameter whose binds all lead somewhere.
 pub(super) struct Bound {
@@ -50,7 +37,7 @@ impl Owners {
 /// `a.b`, `a.b.c` … of `a.b.c…`.
 fn prefixes(bind: &str) -> impl Iterator<Item = &str> {
     let ends = bind.match_indices('.').map(|(i, _)| i).skip(1).chain([bind.len()]);
-    ends.map(|end| &bind[..end])
+    ends.map(|end| &bind[..end]).take(MAX_STEPS)
 }
 
 impl Graph {
@@ -211,154 +198,11 @@ impl Graph {
         Ok((place, spot.shape.clone()))
     }
 
-    fn set_bind(&mut self, bind: &Bind, mut value: Json) -> Result<(), Problem> {
-        json::tidy(&mut value);
-        let bad = |message| Problem::error(self.place_of(bind), message);
-        if let Some(name) = self.exposed_as(bind) {
-            return Err(bad(format!("is exposed as `{name}`: set that")));
-        }
-        let spot = self.spot(bind, &Hints::new()).map_err(bad)?;
-        spot.shape.check(&value).map_err(bad)?;
-        if self.written_at(bind).is_some_and(|written| json::same(written, &value)) {
-            return Ok(());
-        }
-        self.put_at(bind, value);
-        if let Owner::Node(id) = bind.owner {
-            self.dag[id].extra.shift_remove("set");
-        }
-        self.settle();
-        Ok(())
-    }
-
-    fn reset_bind(&mut self, bind: &Bind) -> Result<(), Problem> {
-        let bad = |message| Problem::error(self.place_of(bind), message);
-        if let Some(name) = self.exposed_as(bind) {
-            return Err(bad(format!("is exposed as `{name}`: unexpose it first")));
-        }
-        let [top] = bind.path.as_slice() else {
-            let spot = self.spot(bind, &Hints::new()).map_err(bad)?;
-            let default = spot.param.default.clone();
-            return self.set_bind(bind, default);
-        };
-        // One that the kind does not know can be taken away too.
-        let written = self.written_at(bind).is_some();
-        if !written {
-            self.spot(bind, &Hints::new()).map_err(bad)?;
-            return Ok(());
-        }
-        match bind.owner {
-            Owner::Terrain => self.settings.shift_remove(top),
-            Owner::Node(id) => self.dag[id].set.shift_remove(top),
-        };
-        self.settle();
-        Ok(())
-    }
-
-    /// The parameter that a text names: `node.parameter`, `terrain.setting`, and deeper paths.
-    fn find_bind(&self, text: &str, hints: &Hints) -> Result<Bind, Problem> {
-        let Some((owner, path)) = text.split_once('.') else { return Err(self.not_assignable(text, hints)) };
-        let owner = match (owner, self.find(owner)) {
-            ("terrain", _) => Owner::Terrain,
-            (_, Some(id)) => Owner::Node(id),
-            (name, None) => {
-                let hint = hints.nearest(name, self.names_of_nodes().chain(["terrain"]));
-                let message = format!("is not in the graph{hint}");
-                return Err(Problem::error(Place::Node(name.to_owned()), message));
-            }
-        };
-        Ok(Bind { owner, path: split(path) })
-    }
-
-    /// For a name that is no path: perhaps a slip in an exposed name, perhaps a parameter without its node.
-    fn not_assignable(&self, name: &str, hints: &Hints) -> Problem {
-        let exposed = || self.exposed().map(|(n, _)| n);
-        let mut hint = hints.nearest(name, exposed());
-        if hint.is_empty() {
-            let has = |id: &NodeId| self.node(*id).kind().is_some_and(|k| k.param(name).is_some());
-            let owner = self.nodes().find(has).map(|id| self.node(id).name.as_str());
-            let owner = owner.or(terrain_params().iter().any(|p| p.name == name).then_some("terrain"));
-            hint = owner.map(|owner| format!("; did you mean `{owner}.{name}`?")).unwrap_or_default();
-        }
-        let all = listed(exposed());
-        Problem::error(
-            Place::Exposed(name.to_owned()),
-            format!("is not exposed by this graph (exposed: {all}), and not a `node.parameter`{hint}"),
-        )
-    }
-
     fn not_exposed(&self, name: &str) -> Problem {
         let names = || self.exposed().map(|(n, _)| n);
         let hint = Hints::new().nearest(name, names());
         let message = format!("is not exposed by this graph; it exposes {}{hint}", listed(names()));
         Problem::error(Place::Exposed(name.to_owned()), message)
-    }
-
-    /// What stands at a bind.
-    fn spot(&self, bind: &Bind, hints: &Hints) -> Result<Spot<'_>, String> {
-        let params: &[Param] = match bind.owner {
-            Owner::Terrain => terrain_params(),
-            Owner::Node(id) => match self.node(id).kind() {
-                Some(kind) => kind.params(),
-                None => return Err(format!("cannot be set, since the kind `{}` is not known", self.node(id).kind.id())),
-            },
-        };
-        let (name, rest) = bind.path.split_first().map_or(("", &[][..]), |(n, rest)| (n.as_str(), rest));
-        let Some(param) = params.iter().find(|p| p.name == name) else {
-            let names = || params.iter().map(|p| p.name.as_str());
-            let whose = if bind.owner == Owner::Terrain { "the terrain's" } else { "this kind's" };
-            return Err(format!("is not one of {whose}: {}{}", listed(names()), hints.nearest(name, names())));
-        };
-        let top = Bind { owner: bind.owner, path: vec![name.to_owned()] };
-        let value = self.written_at(&top).unwrap_or(&param.default);
-        let rest: Vec<&str> = rest.iter().map(String::as_str).collect();
-        path::walk(param, value, &rest, hints)
-    }
-
-    pub(super) fn place_of(&self, bind: &Bind) -> Place {
-        let path = bind.path.join(".");
-        match bind.owner {
-            Owner::Terrain => Place::Terrain(path),
-            Owner::Node(id) => Place::Parameter { node: self.node(id).name.clone(), parameter: path },
-        }
-    }
-
-    /// The value that is written at a bind; `None` where the default counts.
-    pub(super) fn written_at(&self, bind: &Bind) -> Option<&Json> {
-        let set = match bind.owner {
-            Owner::Terrain => &self.settings,
-            Owner::Node(id) => &self.node(id).set,
-        };
-        let (first, rest) = bind.path.split_first()?;
-        let rest: Vec<&str> = rest.iter().map(String::as_str).collect();
-        path::get(set.get(first)?, &rest)
-    }
-
-    /// Writes a value at a bind that leads somewhere.
-    pub(super) fn put_at(&mut self, bind: &Bind, value: Json) {
-        let Some((first, rest)) = bind.path.split_first() else { return };
-        let (set, params) = match bind.owner {
-            Owner::Terrain => (&mut self.settings, terrain_params()),
-            Owner::Node(id) => {
-                let node = &mut self.dag[id];
-                let Some(kind) = node.kind() else { return };
-                (&mut node.set, kind.params())
-            }
-        };
-        let default = || params.iter().find(|p| p.name == *first).map_or(Json::Null, |p| p.default.clone());
-        let rest: Vec<&str> = rest.iter().map(String::as_str).collect();
-        path::put(set.entry(first.as_str()).or_insert_with(default), &rest, value);
-    }
-
-    /// The name under which a parameter, something around it or something inside it is exposed.
-    fn exposed_as(&self, bind: &Bind) -> Option<&str> {
-        let owner = match bind.owner {
-            Owner::Terrain => "terrain",
-            Owner::Node(id) => self.node(id).name.as_str(),
-        };
-        let path = format!("{owner}.{}", bind.path.join("."));
-        let inside = |a: &str, b: &str| a.strip_prefix(b).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-        let meets = |other: &String| inside(other, &path) || inside(&path, other);
-        self.exposed().find(|(_, e)| e.bind.iter().any(meets)).map(|(name, _)| name)
     }
 
     pub(super) fn exposed_index(&self, name: &str) -> Option<usize> {
@@ -401,13 +245,17 @@ impl Graph {
                     match shape {
                         Some(shape) => param.get_or_insert_with(|| spot_param(&spot)).shape = shape,
                         None => {
-                            let message = format!("binds `{text}`, whose values are of another kind or range than those before");
+                            let message = format!(
+                                "binds `{text}`, whose values are of another kind or range than those before"
+                            );
                             faults.push(Problem::error(place(), message));
                         }
                     }
                     binds.push(bind);
                 }
-                Err(message) => faults.push(Problem::error(place(), format!("cannot bind `{text}`: {message}"))),
+                Err(message) => {
+                    faults.push(Problem::error(place(), format!("cannot bind `{text}`: {message}")))
+                }
             }
         }
         let Some(mut param) = param.filter(|_| faults.is_empty()) else {
@@ -437,34 +285,35 @@ impl Graph {
             return Err("it must be written as `node.parameter`".to_owned());
         }
         let bind = self.find_bind(text, hints).map_err(|p| p.to_string())?;
-        let spot = self.spot(&bind, hints).map_err(|message| format!("{}: {message}", self.place_of(&bind)))?;
+        let spot =
+            self.spot(&bind, hints).map_err(|message| format!("{}: {message}", self.place_of(&bind)))?;
         if let Some(other) = owners.before(i, text).and_then(|i| self.exposed.get(i)) {
             return Err(format!("it is exposed as `{}` already", other.0));
         }
         Ok((bind, spot))
     }
 
-    /// The problems once for each node that an exposed parameter sets: with its value in doubt, none of them may run.
-    pub(super) fn blame_all(&self, faults: Vec<Problem>, binds: &[Bind]) -> Vec<Problem> {
-        let mut nodes: Vec<NodeId> = Vec::new();
-        for bind in binds {
-            match bind.owner {
-                Owner::Node(id) if !nodes.contains(&id) => nodes.push(id),
-                Owner::Terrain => return faults,
-                Owner::Node(_) => (),
-            }
+    /// The problems of an exposed parameter, with one at least for each node that it sets: with the value in doubt,
+    /// none of them may run. Where it sets the terrain, they concern the whole graph.
+    pub(super) fn blame_all(&self, mut faults: Vec<Problem>, binds: &[Bind]) -> Vec<Problem> {
+        if binds.iter().any(|b| b.owner == Owner::Terrain) {
+            return faults;
         }
-        match nodes.as_slice() {
-            [] => faults,
-            [one] => faults.into_iter().map(|f| f.of(*one)).collect(),
-            many => {
-                let blame = |f: &Problem, id: NodeId| {
-                    let message = format!("{}; it sets `{}`", f.message, self.node(id).name);
-                    Problem { message, ..f.clone() }.of(id)
-                };
-                many.iter().flat_map(|&id| faults.iter().map(move |f| blame(f, id))).collect()
-            }
+        let nodes: BTreeSet<NodeId> = binds
+            .iter()
+            .filter_map(|b| match b.owner {
+                Owner::Node(id) => Some(id),
+                Owner::Terrain => None,
+            })
+            .collect();
+        let Some(&one) = nodes.first() else { return faults };
+        faults.iter_mut().for_each(|f| f.node = Some(one));
+        let Some(fault) = faults.first().cloned() else { return faults };
+        for id in nodes.into_iter().skip(1) {
+            let message = format!("{}; it sets `{}` too", fault.message, self.node(id).name);
+            faults.push(Problem { message, ..fault.clone() }.of(id));
         }
+        faults
     }
 
     /// Brings everything in line after an edit: wires that resolve now, exposed values, the terrain.
@@ -476,17 +325,14 @@ impl Graph {
     }
 
     pub(super) fn live(&self, id: NodeId) -> Result<(), Problem> {
-        let gone = || Problem::error(Place::Graph, format!("has no node with the index {} any more", id.index()));
+        let gone =
+            || Problem::error(Place::Graph, format!("has no node with the index {} any more", id.index()));
         self.get(id).map(drop).ok_or_else(gone)
     }
 }
 
 fn first(faults: Vec<Problem>) -> Problem {
     faults.into_iter().next().unwrap_or_else(|| Problem::error(Place::Graph, "cannot be changed"))
-}
-
-fn split(path: &str) -> Vec<String> {
-    path.split('.').map(str::to_owned).collect()
 }
 
 fn spot_param(spot: &Spot<'_>) -> Param {

@@ -72,23 +72,34 @@ fn explain(error: &serde_json::Error, text: &str) -> LoadError {
     }
     let full = error.to_string();
     let plain = full.rsplit_once(" at line ").map_or(full.as_str(), |(head, _)| head);
-    let rest = text.lines().nth(line.saturating_sub(1)).and_then(|l| l.get(column.saturating_sub(1)..));
-    let starts = |word: &str| rest.is_some_and(|r| r.starts_with(word) || r.starts_with(&word[1..]));
-    let message = match plain {
-        "recursion limit exceeded" => "it is nested more than 127 levels deep".to_owned(),
-        "expected value" | "invalid number" => match ["NaN", "Infinity", "nan", "inf"].iter().find(|w| starts(w)) {
-            Some(word) => format!("`{word}` is not a number in JSON"),
-            None => plain.to_owned(),
-        },
-        other => other.to_owned(),
+    let message = match (plain, word_at(text, line, column)) {
+        ("recursion limit exceeded", _) => "it is nested more than 127 levels deep".to_owned(),
+        ("expected value" | "expected ident" | "invalid number", Some(word)) => {
+            let number = matches!(word.to_ascii_lowercase().as_str(), "nan" | "inf" | "infinity");
+            let wanted = if number { "a number in JSON" } else { "a value; texts stand in quotes" };
+            format!("`{word}` is not {wanted}")
+        }
+        (other, _) => other.to_owned(),
     };
     LoadError::Syntax { message, line, column }
+}
+
+/// The bare word at a place of a text.
+fn word_at(text: &str, line: usize, column: usize) -> Option<&str> {
+    let bytes = text.lines().nth(line.checked_sub(1)?)?.as_bytes();
+    let at = column.checked_sub(1)?.min(bytes.len().checked_sub(1)?);
+    // Where a minus was read, the word begins after it.
+    let at = if bytes[at] == b'-' { at + 1 } else { at };
+    let start = bytes[..at].iter().rposition(|b| !b.is_ascii_alphanumeric()).map_or(0, |i| i + 1);
+    let word = bytes[start..].split(|b| !b.is_ascii_alphanumeric()).next()?;
+    let starts_well = word.first().is_some_and(u8::is_ascii_alphabetic) && word.len() <= 40;
+    starts_well.then(|| std::str::from_utf8(word).ok()).flatten()
 }
 
 /// Where a value stands: a list through the stack.
 #[derive(Clone, Copy)]
 struct Path<'a> {
-    up: Option<&'a Path<'a>>,
+    up: Option<&'a Self>,
     step: Step<'a>,
 }
 

@@ -25,7 +25,7 @@ pub const MAX_NAMED: usize = 1000;
 pub enum LoadError {
     /// The file system refuses.
     #[error("the file cannot be read: {0}")]
-    Read(#[from] std::io::Error),
+    Io(#[from] std::io::Error),
     /// It is a folder, a pipe or a device.
     #[error("this is not a regular file")]
     NotAFile,
@@ -78,7 +78,9 @@ pub enum LoadError {
         current: u64,
     },
     /// It was written by a later version.
-    #[error("the file was written by a newer version of Orograph: it has format {found}, this version reads up to {current}")]
+    #[error(
+        "the file was written by a newer version of Orograph: it has format {found}, this version reads up to {current}"
+    )]
     NewerVersion {
         /// Its format.
         found: u64,
@@ -111,7 +113,8 @@ impl Graph {
     /// # Errors
     /// When it cannot be read, or is not a graph.
     pub fn open(path: &Path, registry: &Registry) -> Result<Self, LoadError> {
-        let limited = |size| if size > MAX_FILE { Err(LoadError::TooLarge { size, limit: MAX_FILE }) } else { Ok(()) };
+        let limited =
+            |size| if size > MAX_FILE { Err(LoadError::TooLarge { size, limit: MAX_FILE }) } else { Ok(()) };
         // Asked before opening: to open a pipe is to wait for its writer.
         let meta = std::fs::metadata(path)?;
         if !meta.is_file() {
@@ -284,7 +287,8 @@ impl Graph {
                 exposed.value = value;
                 json::tidy(&mut exposed.value);
             }
-            let number = |limit: f64| follow(&Json::from(limit)).and_then(|(_, v)| v.as_f64()).unwrap_or(limit);
+            let number =
+                |limit: f64| follow(&Json::from(limit)).and_then(|(_, v)| v.as_f64()).unwrap_or(limit);
             (exposed.min, exposed.max) = (before.min.map(number), before.max.map(number));
         }
     }
@@ -306,7 +310,8 @@ impl Graph {
             for bind in &bound.binds {
                 if let Some(written) = self.written_at(bind).filter(|w| !json::same(w, &value)) {
                     let (written, used) = (brief(written), brief(&value));
-                    let message = format!("is written as {written}, but exposed as `{name}` with {used}, which counts");
+                    let message =
+                        format!("is written as {written}, but exposed as `{name}` with {used}, which counts");
                     let note = Problem::warning(self.place_of(bind), message);
                     self.notes.push(note);
                 }
@@ -331,13 +336,15 @@ fn part(file: &mut Map<String, Json>, key: &str) -> Result<Map<String, Json>, Lo
     file.shift_remove(key).map_or_else(|| Ok(Map::new()), |json| object(json, key))
 }
 
+type Entries = Vec<(String, Map<String, Json>)>;
+
 /// The entries of a part, each an object.
 fn named(
     part: Map<String, Json>,
     path: &str,
     what: &'static str,
     limit: usize,
-) -> Result<Vec<(String, Map<String, Json>)>, LoadError> {
+) -> Result<Entries, LoadError> {
     if part.len() > limit {
         return Err(LoadError::TooMany { what, found: part.len(), limit });
     }

@@ -8,6 +8,7 @@
 //! Names, places on the canvas, titles and exposed names have no part in what a node computes, so no edit of those
 //! touches a cached result; the engine takes [`GraphNode::parse`], the wires and the [`Terrain`] and nothing else.
 
+mod bind;
 mod edit;
 mod expose;
 mod json;
@@ -36,8 +37,9 @@ pub use parts::{About, Backend, Exposed, GraphNode, KindRef, Output, OutputForma
 pub use problem::{Place, Problem, Severity};
 pub use schema::schema;
 pub use settings::terrain_params;
-use wires::Wire;
 pub use wires::Source;
+use wires::Wire;
+pub use write::save_bytes;
 
 use crate::nodes::Registry;
 use crate::value::Terrain;

@@ -49,7 +49,9 @@ impl Graph {
     /// Sorts some nodes, given in the order of the file; `Err` has those on cycles or below one.
     fn sorted(&self, nodes: Vec<NodeId>) -> Result<Vec<NodeId>, Vec<NodeId>> {
         let place: HashMap<NodeId, usize> = nodes.iter().enumerate().map(|(i, &id)| (id, i)).collect();
-        let sources = |&id: &NodeId| self.dag.neighbors_directed(id, Incoming).filter(|s| place.contains_key(s)).count();
+        let sources = |&id: &NodeId| {
+            self.dag.neighbors_directed(id, Incoming).filter(|s| place.contains_key(s)).count()
+        };
         let mut waits: Vec<usize> = nodes.iter().map(sources).collect();
         let free = waits.iter().enumerate().filter(|(_, w)| **w == 0).map(|(i, _)| Reverse(i));
         let mut ready: BinaryHeap<_> = free.collect();
@@ -77,7 +79,8 @@ impl Graph {
         loop {
             let cycle = self.cycle_in(&rest);
             found.push(self.cycle_named(&cycle));
-            rest.retain(|id| !cycle.contains(id));
+            let on_it: BTreeSet<NodeId> = cycle.into_iter().collect();
+            rest.retain(|id| !on_it.contains(id));
             match self.sorted(rest) {
                 Ok(_) => return found,
                 Err(left) if found.len() == MAX_CYCLES => {
@@ -105,8 +108,10 @@ impl Graph {
             if let Some(start) = seen.insert(id, walk.len()) {
                 let mut cycle = walk.split_off(start);
                 cycle.reverse();
-                let first = nodes.iter().find_map(|n| cycle.iter().position(|c| c == n));
-                cycle.rotate_left(first.unwrap_or(0));
+                let on_it: BTreeSet<NodeId> = cycle.iter().copied().collect();
+                let first = nodes.iter().find(|n| on_it.contains(n));
+                let start = cycle.iter().position(|id| Some(id) == first);
+                cycle.rotate_left(start.unwrap_or(0));
                 return cycle;
             }
             walk.push(id);

@@ -190,7 +190,7 @@ pub struct Output {
 #[serde(default)]
 pub struct Exposed {
     /// What it sets: `node.parameter` or `terrain.setting`; deeper paths lead into modes, as `node.mode.turned.angle`.
-    #[schemars(length(min = 1))]
+    #[schemars(length(min = 1, max = 1000))]
     pub bind: Vec<String>,
     /// The value; it takes the place of what the nodes themselves say.
     pub value: Json,

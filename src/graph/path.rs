@@ -19,7 +19,12 @@ pub(super) struct Spot<'a> {
 ///
 /// # Errors
 /// A sentence without a subject: names the step that leads nowhere.
-pub(super) fn walk<'a>(param: &'a Param, value: &Json, path: &[&str], hints: &Hints) -> Result<Spot<'a>, String> {
+pub(super) fn walk<'a>(
+    param: &'a Param,
+    value: &Json,
+    path: &[&str],
+    hints: &Hints,
+) -> Result<Spot<'a>, String> {
     step(param, &param.shape, value, path, hints)
 }
 
@@ -42,7 +47,8 @@ fn step<'a>(
                 return Err(format!("has no mode `{first}`; it has {}{hint}", listed(names())));
             };
             let Some(body) = value.get(first) else {
-                let current = value.as_str().or(value.as_object().and_then(|o| o.keys().next()).map(String::as_str));
+                let current =
+                    value.as_str().or(value.as_object().and_then(|o| o.keys().next()).map(String::as_str));
                 let current = current.unwrap_or("none");
                 return Err(format!("is in the mode `{current}`, not in `{first}`: set the mode first"));
             };

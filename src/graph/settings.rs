@@ -12,7 +12,10 @@ use crate::value::{Geo, MAX_BASE, MAX_EXTENT, MIN_SIZE, Terrain};
 /// What the settings may be; a [`Terrain`] is made of them.
 #[derive(JsonSchema)]
 #[schemars(deny_unknown_fields)]
-#[allow(dead_code, reason = "only its schema is used: for checks, for `--set` and for the schema that is published")]
+#[allow(
+    dead_code,
+    reason = "only its schema is used: for checks, for `--set` and for the schema that is published"
+)]
 pub(super) struct Settings {
     /// North-west corner, x to the east and y to the south.
     #[schemars(inner(range(min = -1.0e8, max = 1.0e8)), extend("x-unit" = "m"))]
@@ -81,7 +84,9 @@ pub(super) fn terrain(settings: &Map<String, Json>) -> Terrain {
 fn read(settings: &Map<String, Json>) -> Terrain {
     let mut terrain = Terrain::default();
     for param in terrain_params() {
-        let Some(value) = settings.get(&param.name).filter(|v| param.shape.check(v).is_ok()) else { continue };
+        let Some(value) = settings.get(&param.name).filter(|v| param.shape.check(v).is_ok()) else {
+            continue;
+        };
         let number = || value.as_f64().unwrap_or_default();
         let whole = || value.as_u64().unwrap_or_default() as u32;
         match param.name.as_str() {
@@ -101,24 +106,20 @@ fn read(settings: &Map<String, Json>) -> Terrain {
 pub(super) fn faults(settings: &Map<String, Json>, hints: &Hints) -> Vec<Problem> {
     let mut found = Vec::new();
     let names = || terrain_params().iter().map(|p| p.name.as_str());
-    for (name, value) in settings {
-        let place = Place::Terrain(name.clone());
-        match terrain_params().iter().find(|p| p.name == *name) {
-            Some(param) => {
-                let fault = param.shape.check(value).and_then(|()| match name.as_str() {
-                    "geo" => serde_json::from_value::<Option<Geo>>(value.clone())
-                        .map(drop)
-                        .map_err(|e| format!("cannot be read: {e}; it needs epsg, east and north")),
-                    _ => Ok(()),
-                });
-                found.extend(fault.err().map(|message| Problem::error(place, message)));
-            }
-            None => {
-                let (known, hint) = (listed(names()), hints.nearest(name, names()));
-                let message = format!("is not known and kept as it is; known are {known}{hint}");
-                found.push(Problem::warning(place, message));
-            }
-        }
+    for param in terrain_params() {
+        let Some(value) = settings.get(&param.name) else { continue };
+        let fault = param.shape.check(value).and_then(|()| match param.name.as_str() {
+            "geo" => serde_json::from_value::<Option<Geo>>(value.clone())
+                .map(drop)
+                .map_err(|e| format!("cannot be read: {e}; it needs epsg, east and north")),
+            _ => Ok(()),
+        });
+        found.extend(fault.err().map(|message| Problem::error(Place::Terrain(param.name.clone()), message)));
+    }
+    for name in settings.keys().filter(|name| names().all(|known| known != *name)) {
+        let (known, hint) = (listed(names()), hints.nearest(name, names()));
+        let message = format!("is not known and kept as it is; known are {known}{hint}");
+        found.push(Problem::warning(Place::Terrain(name.clone()), message));
     }
     if found.iter().all(|p| !p.is_error())
         && let Some((name, message)) = read(settings).fault()

@@ -121,7 +121,9 @@ impl Graph {
             return self.version_of(known).err().unwrap_or_default();
         }
         if RESERVED_KINDS.iter().any(|prefix| kind.starts_with(prefix)) {
-            return format!("is of kind `{kind}`: graphs as nodes are not yet supported by this version; it is kept as it is");
+            return format!(
+                "is of kind `{kind}`: graphs as nodes are not yet supported by this version; it is kept as it is"
+            );
         }
         let hint = hints.nearest(kind, self.registry.iter().map(|k| k.id));
         format!("is of kind `{kind}`, which is not known, and kept as it is{hint}")
@@ -130,6 +132,8 @@ impl Graph {
     fn input_problems(&self, id: NodeId, kind: &'static Kind, hints: &Hints) -> Vec<Problem> {
         let node = self.node(id);
         let place = |port: &str| Place::Input { node: node.name.clone(), port: port.to_owned() };
+        let parsed = kind.parse(&node.set).ok();
+        let uses = |port: &str| parsed.as_ref().is_none_or(|n| n.uses(port));
         let mut found = Vec::new();
         for port in kind.inputs() {
             if let Some(written) = node.loose.get(port.name) {
@@ -142,8 +146,9 @@ impl Graph {
                         format!("takes {want}, but `{text}` gives {got}")
                     }
                 };
-                found.push(Problem::error(place(port.name), message));
-            } else if port.required && self.source(id, port.name).is_none() {
+                let problem = if uses(port.name) { Problem::error } else { Problem::warning };
+                found.push(problem(place(port.name), message));
+            } else if port.required && uses(port.name) && self.source(id, port.name).is_none() {
                 found.push(Problem::error(place(port.name), "must be connected"));
             }
         }
@@ -205,7 +210,8 @@ impl Graph {
                 std::collections::hash_map::Entry::Vacant(slot) => _ = slot.insert(id),
                 std::collections::hash_map::Entry::Occupied(first) => {
                     let other = &self.node(*first.get()).name;
-                    let message = format!("is that of `{other}`, and all other parameters are the same: twins");
+                    let message =
+                        format!("is that of `{other}`, and all other parameters are the same: twins");
                     let place = Place::Parameter { node: node.name.clone(), parameter: "seed".to_owned() };
                     found.push(Problem::warning(place, message).of(id));
                 }
@@ -218,16 +224,15 @@ impl Graph {
 fn parameter_problems(node: &GraphNode, kind: &Kind, hints: &Hints) -> Vec<Problem> {
     let place = |name: &str| Place::Parameter { node: node.name.clone(), parameter: name.to_owned() };
     let mut found = Vec::new();
-    for (name, value) in &node.set {
-        let message = match kind.param(name) {
-            Some(param) => param.shape.check(value).err(),
-            None => {
-                let names = || kind.params().iter().map(|p| p.name.as_str());
-                let (all, hint) = (listed(names()), hints.nearest(name, names()));
-                Some(format!("is not one of this kind's: {all}{hint}"))
-            }
-        };
-        found.extend(message.map(|message| Problem::error(place(name), message)));
+    for param in kind.params() {
+        let fault = node.set.get(&param.name).and_then(|value| param.shape.check(value).err());
+        found.extend(fault.map(|message| Problem::error(place(&param.name), message)));
+    }
+    let names = || kind.params().iter().map(|p| p.name.as_str());
+    for name in node.set.keys().filter(|name| kind.param(name).is_none()) {
+        let (all, hint) = (listed(names()), hints.nearest(name, names()));
+        let message = format!("is not one of this kind's: {all}{hint}");
+        found.push(Problem::error(place(name), message));
     }
     if found.is_empty() {
         found.extend(kind.parse(&node.set).err().map(|error| match error {

@@ -67,7 +67,8 @@ impl Graph {
             let (all, hint) = (listed(names()), hints.nearest(name, names()));
             return Err(Problem::error(place, format!("is not an output of this graph; it has {all}{hint}")));
         };
-        self.resolve(&output.from).map_err(|miss| Problem::error(place, self.explain(&output.from, &miss, hints)))
+        self.resolve(&output.from)
+            .map_err(|miss| Problem::error(place, self.explain(&output.from, &miss, hints)))
     }
 
     /// `node.port`, as the file writes it.

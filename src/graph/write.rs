@@ -37,12 +37,12 @@ impl Graph {
         out.into_bytes()
     }
 
-    /// Writes the file whole or not at all: to a temporary file in the same folder, to the disk, then over the old.
+    /// Writes the file whole or not at all; see [`save_bytes`].
     ///
     /// # Errors
     /// Those of the file system; the old file is then as it was.
     pub fn save(&self, path: &Path) -> io::Result<()> {
-        write_whole(path, &self.to_bytes())
+        save_bytes(path, &self.to_bytes())
     }
 
     fn document(&self) -> Map<String, Json> {
@@ -113,9 +113,12 @@ impl Graph {
     }
 }
 
-/// Writes a file whole or not at all.
-fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    // A link keeps pointing where it points: its target is replaced, not the link.
+/// Writes a file whole or not at all: to a temporary file in the same folder, to the disk, then over the old one,
+/// whose permissions it gets. A link stays, and what it points to is replaced.
+///
+/// # Errors
+/// Those of the file system; the old file is then as it was.
+pub fn save_bytes(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let old = target.metadata();

@@ -1,0 +1,81 @@
+//! One of several fields.
+
+use crate::prelude::*;
+
+/// Takes one of up to eight fields, by number.
+///
+/// Expose `choice` to let a graph offer variants. The inputs that are not taken need not be computed: they have no
+/// part in the result.
+///
+/// # See also
+/// `mix` to blend two of them.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Switch {
+    /// Which input is taken: 0 for `a`, 1 for `b`, up to 7 for `h`.
+    #[schemars(range(min = 0, max = 7), extend("x-unit" = "1"))]
+    pub choice: u32,
+}
+
+ports! {
+    pub struct Inputs {
+        /// Taken when `choice` is 0.
+        a: Field,
+        /// Taken when `choice` is 1.
+        b: Option<Field>,
+        /// Taken when `choice` is 2.
+        c: Option<Field>,
+        /// Taken when `choice` is 3.
+        d: Option<Field>,
+        /// Taken when `choice` is 4.
+        e: Option<Field>,
+        /// Taken when `choice` is 5.
+        f: Option<Field>,
+        /// Taken when `choice` is 6.
+        g: Option<Field>,
+        /// Taken when `choice` is 7.
+        h: Option<Field>,
+    }
+    pub struct Outputs {
+        /// The field that was taken.
+        field: Field,
+    }
+}
+
+/// The inputs by number.
+const NAMES: [&str; 8] = ["a", "b", "c", "d", "e", "f", "g", "h"];
+
+impl Switch {
+    /// The name of the input that is taken.
+    fn taken(&self) -> &'static str {
+        NAMES[self.choice.min(7) as usize]
+    }
+}
+
+impl Node for Switch {
+    type In = Inputs;
+    type Out = Outputs;
+    const META: Meta = Meta::new().keywords(&["select", "choose", "variant", "if", "branch"]);
+
+    fn reach(&self) -> Reach {
+        Reach::Point
+    }
+
+    /// Nothing of the inputs that are not taken.
+    fn footprint(&self, port: &str, window: &Grid, _: &Terrain) -> Grid {
+        if port == self.taken() { *window } else { Grid { cols: 0, rows: 0, ..*window } }
+    }
+
+    fn cost(&self, grid: &Grid) -> Cost {
+        Cost::per_sample(grid, 0.5)
+    }
+
+    fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
+        let Inputs { a, b, c, d, e, f, g, h } = input;
+        let port = self.taken();
+        let missing =
+            || Error::Input { port, message: format!("is not connected, and `choice` is {}", self.choice) };
+        let field = [Some(a), b, c, d, e, f, g, h].into_iter().nth(self.choice.min(7) as usize).flatten();
+        Ok(Outputs { field: field.ok_or_else(missing)?.crop(&cx.grid) })
+    }
+}

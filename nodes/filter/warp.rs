@@ -1,0 +1,185 @@
+//! Displacement along the ground.
+
+use crate::kit::hash;
+use crate::kit::noise::{Form, Fractal, FractalRows, Spectrum};
+use crate::kit::rows::Rows;
+use crate::kit::sample::{Interpolation, Sampler, fit, method_for};
+use crate::prelude::*;
+
+/// Pulls a field about along the ground: bends straight ridges, lets forms flow.
+///
+/// The value at `p` is fetched from `p + d(p)`, where `d` comes from the connected displacement fields, times `factor`;
+/// those not connected count as zero. Where none is connected, soft noise takes their place.
+///
+/// # Limits
+/// A displacement longer than `limit` is shortened to it. A larger limit makes tiles read more of the input.
+///
+/// # See also
+/// `transform` moves the field as a whole.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Warp {
+    /// Longest displacement.
+    #[schemars(range(min = 0.0, max = 20_000.0), extend("x-soft" = [0.0, 1000.0]))]
+    pub limit: Metres,
+    /// Metres of displacement per unit of the connected fields.
+    #[schemars(range(min = -1.0e5, max = 1.0e5), extend("x-soft" = [-500.0, 500.0]))]
+    pub factor: Number,
+    /// Longest displacement by the built-in noise to either side, along each axis.
+    #[schemars(range(min = 0.0, max = 20_000.0), extend("x-soft" = [0.0, 500.0]))]
+    pub amplitude: Metres,
+    /// Size of the largest forms of the built-in noise.
+    #[schemars(range(min = 0.1, max = 1.0e6), extend("x-soft" = [50.0, 4000.0], "x-log" = true))]
+    pub feature_size: Metres,
+    /// Octaves of the built-in noise; each has half the size and half the height of the one before.
+    #[schemars(range(min = 1, max = 12), extend("x-soft" = [1, 6], "x-unit" = "1"))]
+    pub octaves: u32,
+    /// How the field is read between its samples.
+    pub interpolation: Interpolation,
+    /// Chooses the built-in noise.
+    pub seed: Seed,
+}
+
+impl Default for Warp {
+    fn default() -> Self {
+        Self {
+            limit: Metres(200.0),
+            factor: Number(1.0),
+            amplitude: Metres(150.0),
+            feature_size: Metres(800.0),
+            octaves: 3,
+            interpolation: Interpolation::Cubic,
+            seed: Seed(0),
+        }
+    }
+}
+
+ports! {
+    pub struct Inputs {
+        /// Field to warp.
+        field: Field,
+        /// Displacement to the east.
+        dx: Option<Field>,
+        /// Displacement to the south.
+        dy: Option<Field>,
+        /// Displacement to the east and south, added to the others.
+        vectors: Option<Vectors>,
+    }
+    pub struct Outputs {
+        /// Warped field, in the unit of the input.
+        field: Field,
+    }
+}
+
+impl Node for Warp {
+    type In = Inputs;
+    type Out = Outputs;
+    const META: Meta = Meta::new()
+        .cite(&["catmull1974", "perlin2002"])
+        .reads(Reads::SEED)
+        .mixes(&[("field", "field")])
+        .keywords(&["distort", "displace", "domain warp", "turbulence", "swirl", "flow"]);
+
+    fn reach(&self) -> Reach {
+        // Cubic reading takes two samples on either side.
+        Reach::local(self.limit.0).plus_cells(2)
+    }
+
+    fn footprint(&self, port: &str, window: &Grid, _: &Terrain) -> Grid {
+        if port == "field" { window.grow_metres(self.limit.0).grow_cells(2) } else { *window }
+    }
+
+    fn cost(&self, grid: &Grid) -> Cost {
+        // The noise's columns, a row of displacement in each thread, and a copy of vectors that must be cropped.
+        let rows = 8 * grid.cols as u64 * (rayon::current_num_threads() as u64 + 1);
+        let bytes = 2 * Fractal::bytes(self.octaves, grid.cols) + rows + grid.len() as u64 * 8;
+        Cost { bytes, ..Cost::per_sample(grid, 15.0 + 5.0 * f64::from(self.octaves)) }
+    }
+
+    fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
+        let empty = || Error::Input { port: "field", message: "has no samples".into() };
+        let sampler = Sampler::new(&input.field).ok_or_else(empty)?;
+        let quantity = input.field.quantity();
+        let method = method_for(quantity, self.interpolation);
+        let (limit, per_metre) = (self.limit.0, 1.0 / cx.grid.cell());
+        let noise = if input.is_displaced() { None } else { Some(self.noise(cx)?) };
+        let xs = cx.grid.xs();
+        let displacement = match &noise {
+            Some(noise) => Displacement::Noise(noise.each_ref().map(|n| n.over(&xs))),
+            None => Displacement::of_fields(self.factor.0, cx, &input),
+        };
+        let field = cx.fill(quantity, |row, out: &mut [f32]| {
+            let (mut east, mut south) = (vec![0.0; out.len()], vec![0.0; out.len()]);
+            displacement.row(row, [&mut east, &mut south]);
+            for (i, (o, (&x, &y))) in out.iter_mut().zip(east.iter().zip(&south)).enumerate() {
+                let [x, y] = shortened([f64::from(x), f64::from(y)], limit);
+                let at = [(cx.grid.col + i as i64) as f64 + x * per_metre, row.row as f64 + y * per_metre];
+                *o = fit(quantity, sampler.value(method, at));
+            }
+        })?;
+        Ok(Outputs { field })
+    }
+}
+
+impl Warp {
+    /// The displacements to the east and south by noise, in metres.
+    fn noise(&self, cx: &Context<'_>) -> Result<[Fractal; 2]> {
+        let seed = cx.seed(self.seed)?;
+        let spectrum = Spectrum {
+            feature_size: self.feature_size.0,
+            octaves: self.octaves.clamp(1, 12),
+            lacunarity: 2.0,
+            gain: 0.5,
+        };
+        let one = |k| Fractal::new(Form::Fbm, spectrum, hash::nth(seed, k), 0.0, self.amplitude.0);
+        Ok([one(0), one(1)])
+    }
+}
+
+impl Inputs {
+    fn is_displaced(&self) -> bool {
+        self.dx.is_some() || self.dy.is_some() || self.vectors.is_some()
+    }
+}
+
+/// A vector of at most some length.
+fn shortened([x, y]: [f64; 2], limit: f64) -> [f64; 2] {
+    let square = x * x + y * y;
+    if square <= limit * limit {
+        return [x, y];
+    }
+    let by = limit / libm::sqrt(square);
+    [x * by, y * by]
+}
+
+/// Where the displacement comes from.
+enum Displacement<'a> {
+    Fields { factor: f32, parts: [Option<Rows>; 2], vectors: Option<Vectors> },
+    Noise([FractalRows<'a>; 2]),
+}
+
+impl Displacement<'_> {
+    fn of_fields(factor: f64, cx: &Context<'_>, input: &Inputs) -> Self {
+        let parts = [&input.dx, &input.dy].map(|f| f.as_ref().map(|f| Rows::of(f, &cx.grid)));
+        let vectors = input.vectors.as_ref().map(|v| v.crop(&cx.grid));
+        Self::Fields { factor: factor as f32, parts, vectors }
+    }
+
+    /// The displacements of a row to the east and south, in metres.
+    fn row(&self, row: Row, out: [&mut [f32]; 2]) {
+        for (k, out) in out.into_iter().enumerate() {
+            match self {
+                Self::Noise(noise) => noise[k].row(row.y, out),
+                Self::Fields { factor, parts, vectors } => {
+                    if let Some(part) = &parts[k] {
+                        out.copy_from_slice(part.at(row.row));
+                    }
+                    if let Some(vectors) = vectors {
+                        out.iter_mut().zip(vectors.row(row.j)).for_each(|(o, v)| *o += v[k]);
+                    }
+                    out.iter_mut().for_each(|o| *o *= factor);
+                }
+            }
+        }
+    }
+}
