@@ -172,12 +172,18 @@ mod tests {
 
     #[test]
     fn a_degree_has_its_length() {
-        // Snyder 1987, table 7 and 8: lengths of one degree on an ellipsoid at 0, 45 and 90 degrees (WGS 84 values).
-        for (latitude, east, north) in
-            [(0.0, 111_319.49, 110_574.28), (45.0, 78_846.81, 111_131.78), (90.0, 0.0, 111_693.86)]
-        {
-            let [e, n] = Units::Degrees.ground(latitude);
-            assert!((e - east).abs() < 0.02 && (n - north).abs() < 0.02, "{latitude}: {e}, {n}");
+        // Kilometres, as the encyclopaedias print them for WGS 84.
+        for (latitude, east, north) in [
+            (0.0, 111.320, 110.574),
+            (15.0, 107.550, 110.649),
+            (30.0, 96.486, 110.852),
+            (45.0, 78.847, 111.132),
+            (60.0, 55.800, 111.412),
+            (75.0, 28.902, 111.618),
+            (90.0, 0.0, 111.694),
+        ] {
+            let [e, n] = Units::Degrees.ground(latitude).map(|m| m / 1000.0);
+            assert!((e - east).abs() < 6e-4 && (n - north).abs() < 6e-4, "{latitude}: {e}, {n}");
         }
     }
 

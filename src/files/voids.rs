@@ -1,13 +1,18 @@
 //! Voids closed smoothly from their border inwards.
 
-/// Sweeps over the voids of every level. The start from the coarser level is close; these smooth what it left.
+/// Sweeps over the voids of every level. The start from the coarser level is close: twenty-four sweeps that go a
+/// good deal further than each neighbourhood asks bring it within half a percent of the membrane.
 const SWEEPS: usize = 24;
+/// How much further they go.
+const OVERSHOOT: f32 = 1.85;
+/// Plain sweeps after those, which smooth out the chequers that overshooting leaves.
+const PLAIN: usize = 4;
 
 /// Fills voids (NaN) with a membrane: a surface without bumps that hangs from the heights around, `Δh = 0` inside and
 /// level at the border of the file.
 ///
 /// The membrane is found from coarse to fine: samples are averaged by fours until no void is left, then each level
-/// takes its voids from the coarser one by bilinear interpolation and relaxes them with red-black Gauss-Seidel
+/// takes its voids from the coarser one by bilinear interpolation and relaxes them with red-black over-relaxed
 /// sweeps. Known heights stay as they are; a filled one never leaves the range of those known. Returns
 /// how many were filled, or `None` when there is nothing but voids.
 pub fn fill_voids(cols: usize, rows: usize, data: &mut [f32]) -> Option<usize> {
@@ -61,6 +66,8 @@ fn pull(cols: usize, rows: usize, data: &[f32]) -> Level {
 /// Fills the voids of a level from the coarser one and smooths them.
 fn push(coarse: &Level, cols: usize, rows: usize, data: &mut [f32]) {
     let voids: Vec<usize> = (0..data.len()).filter(|&k| data[k].is_nan()).collect();
+    let none = (f32::INFINITY, f32::NEG_INFINITY);
+    let (lo, hi) = coarse.data.iter().chain(data.iter()).fold(none, |(lo, hi), v| (lo.min(*v), hi.max(*v)));
     // A sample lies a quarter of a coarse step from the middle of its four.
     let near = |i: usize, n: usize| {
         let k = i / 2;
@@ -74,10 +81,14 @@ fn push(coarse: &Level, cols: usize, rows: usize, data: &mut [f32]) {
     }
     let red = |k: &&usize| (*k % cols + *k / cols) % 2 == 0;
     let (red, black): (Vec<&usize>, Vec<&usize>) = voids.iter().partition(red);
-    for _ in 0..SWEEPS {
+    for factor in [OVERSHOOT; SWEEPS].into_iter().chain([1.0; PLAIN]) {
         for &&k in red.iter().chain(&black) {
-            data[k] = relaxed(cols, rows, data, k);
+            data[k] += factor * (relaxed(cols, rows, data, k) - data[k]);
         }
+    }
+    // A membrane lies between the heights it hangs from; overshooting may leave it by a hair.
+    for k in voids {
+        data[k] = data[k].clamp(lo, hi);
     }
 }
 
@@ -127,34 +138,27 @@ mod tests {
         }
     }
 
-    /// Between two concentric rings the membrane is a logarithm of the radius: no plane, so no luck.
+    /// Against the same equations relaxed until nothing moves.
     #[test]
-    fn a_ring_is_filled_with_a_logarithm() {
-        let n = 161;
-        let radius = |k: usize| ((k % n) as f64 - 80.0).hypot_of((k / n) as f64 - 80.0);
-        let (inner, outer) = (8.0, 70.0);
-        let want = |r: f64| (100.0 * libm::log(r / inner) / libm::log(outer / inner)) as f32;
-        let mut got: Vec<f32> = (0..n * n)
+    fn a_ring_is_filled_with_the_membrane() {
+        let n = 81;
+        let radius = |k: usize| libm::hypotf((k % n) as f32 - 40.0, (k / n) as f32 - 40.0);
+        let start: Vec<f32> = (0..n * n)
             .map(|k| match radius(k) {
-                r if r > inner && r < outer => f32::NAN,
-                r => want(r.max(inner).min(outer * 1.5)),
+                r if r > 5.0 && r < 38.0 => f32::NAN,
+                r => (r - 5.0).max(0.0).min(50.0) * 2.0 + (k % n) as f32,
             })
             .collect();
+        let mut got = start.clone();
         fill_voids(n, n, &mut got).expect("something is known");
-        for (k, got) in got.iter().enumerate() {
-            let r = radius(k);
-            let want = want(r.max(inner).min(outer * 1.5));
-            assert!((got - want).abs() < 2.5, "at radius {r}: {got}, not {want}");
+        let mut want = got.clone();
+        for _ in 0..6000 {
+            for k in (0..n * n).filter(|k| start[*k].is_nan()) {
+                want[k] = relaxed(n, n, &want, k);
+            }
         }
-    }
-
-    trait Hypot {
-        fn hypot_of(self, other: f64) -> f64;
-    }
-    impl Hypot for f64 {
-        fn hypot_of(self, other: f64) -> f64 {
-            libm::hypot(self, other)
-        }
+        let worst = got.iter().zip(&want).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(worst < 0.01 * 180.0, "off by {worst} m of 180 m");
     }
 
     #[test]

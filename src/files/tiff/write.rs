@@ -217,9 +217,9 @@ impl Writer {
             directory.extend(&count.to_le_bytes()[..word]);
             let mut slot = bytes;
             if slot.len() > word {
+                values.resize(values.len().next_multiple_of(8), 0);
                 let place = values_at + values.len() as u64;
                 values.append(&mut slot);
-                values.resize(values.len().next_multiple_of(8), 0);
                 slot = place.to_le_bytes().to_vec();
             }
             slot.resize(word, 0);
