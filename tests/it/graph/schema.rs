@@ -92,6 +92,7 @@ fn every_fault_that_a_schema_can_see_is_seen() {
         ("/nodes/height/in/a", json!("hills"), "/nodes/height/in/a"),
         ("/nodes/height/in/c", json!("hills.field"), "/nodes/height/in"),
         ("/nodes/height/in", json!({"b": "hills.field"}), "/nodes/height/in"),
+        ("/nodes/height", json!({"kind": "sum"}), "/nodes/height"),
         ("/nodes/height/backend", json!("fpga"), "/nodes/height/backend"),
         ("/nodes/Hills", json!({"kind": "hills"}), "/nodes"),
         ("/outputs/height/format", json!("jpg"), "/outputs/height/format"),
