@@ -22,8 +22,9 @@ fn file(nodes: usize) -> Vec<u8> {
                 i / 2
             ),
             2 => format!(
-                "\"kind\": \"blur\", \"at\": [{i}, 0], \"in\": {{\"field\": \"n{}.field\"}}, \"set\": {{\"radius\": {i}}}",
-                i - 1
+                "\"kind\": \"blur\", \"at\": [{i}, 0], \"in\": {{\"field\": \"n{}.field\"}}, \"set\": {{\"radius\": {}}}",
+                i - 1,
+                i % 1000
             ),
             _ => {
                 format!("\"kind\": \"clamp\", \"at\": [{i}, 0], \"in\": {{\"field\": \"n{}.field\"}}", i - 1)

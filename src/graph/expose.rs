@@ -9,7 +9,7 @@ use super::parts::{Exposed, Part};
 use super::path::Spot;
 use super::problem::{Hints, Place, Problem, listed};
 use super::validate::name_fault;
-use super::{Graph, MAX_NAMED, NodeId, json};
+use super::{Graph, MAX_NAMED, NodeId, json, settings};
 use crate::params::{Param, Shape};
 
 /// An exposed parameter whose binds all lead somewhere.
@@ -262,10 +262,10 @@ impl Graph {
             if faults.is_empty() {
                 faults.push(Problem::error(place(), "binds nothing"));
             }
-            return Err(self.blame_all(faults, &binds));
+            return Err(self.blame_all(faults, name, &binds));
         };
         if let Err(message) = narrow(&mut param.shape, exposed) {
-            return Err(self.blame_all(vec![Problem::error(place(), message)], &binds));
+            return Err(self.blame_all(vec![Problem::error(place(), message)], name, &binds));
         }
         param.name = name.to_owned();
         if !exposed.about.is_empty() {
@@ -293,23 +293,24 @@ impl Graph {
         Ok((bind, spot))
     }
 
-    /// The problems of an exposed parameter, with one at least for each node that it sets: with the value in doubt,
-    /// none of them may run. Where it sets the terrain, they concern the whole graph.
-    pub(super) fn blame_all(&self, mut faults: Vec<Problem>, binds: &[Bind]) -> Vec<Problem> {
-        if binds.iter().any(|b| b.owner == Owner::Terrain) {
-            return faults;
-        }
-        let nodes: BTreeSet<NodeId> = binds
-            .iter()
-            .filter_map(|b| match b.owner {
-                Owner::Node(id) => Some(id),
-                Owner::Terrain => None,
-            })
-            .collect();
-        let Some(&one) = nodes.first() else { return faults };
-        faults.iter_mut().for_each(|f| f.node = Some(one));
+    /// The problems of an exposed parameter, with one at least for each node and each setting of the terrain that it
+    /// sets: with the value in doubt, none of them may be used.
+    pub(super) fn blame_all(&self, mut faults: Vec<Problem>, name: &str, binds: &[Bind]) -> Vec<Problem> {
         let Some(fault) = faults.first().cloned() else { return faults };
-        for id in nodes.into_iter().skip(1) {
+        let mut nodes = BTreeSet::new();
+        for bind in binds {
+            match bind.owner {
+                Owner::Node(id) => _ = nodes.insert(id),
+                Owner::Terrain => {
+                    let message = format!("is exposed as `{name}`, which has a fault: it {}", fault.message);
+                    faults.push(Problem::error(self.place_of(bind), message));
+                }
+            }
+        }
+        let mut nodes = nodes.into_iter();
+        let Some(one) = nodes.next() else { return faults };
+        faults.iter_mut().filter(|f| matches!(f.place, Place::Exposed(_))).for_each(|f| f.node = Some(one));
+        for id in nodes {
             let message = format!("{}; it sets `{}` too", fault.message, self.node(id).name);
             faults.push(Problem { message, ..fault.clone() }.of(id));
         }
@@ -320,8 +321,17 @@ impl Graph {
     pub(super) fn settle(&mut self) {
         self.link();
         self.apply_exposed(&[]);
-        self.terrain = super::settings::terrain(&self.settings);
+        self.look_at_settings();
         self.touch();
+    }
+
+    /// Makes the terrain, and notes what of it and of the exposed parameters cannot be used.
+    pub(super) fn look_at_settings(&mut self) {
+        self.terrain = settings::terrain(&self.settings);
+        let hints = Hints::none();
+        let faults =
+            settings::faults(&self.settings, &hints).into_iter().chain(self.exposed_problems(&hints));
+        self.stopped = faults.filter(Problem::is_error).collect();
     }
 
     pub(super) fn live(&self, id: NodeId) -> Result<(), Problem> {

@@ -25,7 +25,7 @@ pub const MAX_NAMED: usize = 1000;
 pub enum LoadError {
     /// The file system refuses.
     #[error("the file cannot be read: {0}")]
-    Io(#[from] std::io::Error),
+    Read(#[from] std::io::Error),
     /// It is a folder, a pipe or a device.
     #[error("this is not a regular file")]
     NotAFile,
@@ -181,7 +181,7 @@ impl Graph {
         self.migrate_kinds();
         self.link();
         self.apply_exposed(&without_value);
-        self.terrain = super::settings::terrain(&self.settings);
+        self.look_at_settings();
         Ok(())
     }
 

@@ -39,7 +39,6 @@ pub use schema::schema;
 pub use settings::terrain_params;
 pub use wires::Source;
 use wires::Wire;
-pub use write::save_bytes;
 
 use crate::nodes::Registry;
 use crate::value::Terrain;
@@ -63,6 +62,8 @@ pub struct Graph {
     extra: Map<String, Json>,
     /// What was doubtful in the file that was read, and is settled when it is written anew.
     notes: Vec<Problem>,
+    /// Errors of the terrain and of exposed parameters.
+    stopped: Vec<Problem>,
     /// The file as it was read, while nothing has changed.
     original: Option<Arc<[u8]>>,
 }
@@ -94,6 +95,7 @@ impl Graph {
             versions: Map::new(),
             extra: Map::new(),
             notes: Vec::new(),
+            stopped: Vec::new(),
             original: None,
         }
     }

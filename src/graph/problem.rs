@@ -115,6 +115,8 @@ impl Problem {
         let concerns = match (&self.place, self.node) {
             (_, Some(node)) => upstream.contains(&node),
             (Place::Output(output), None) => output == name,
+            // What it would set is told as well, at the node or the setting of the terrain.
+            (Place::Exposed(_), None) => false,
             _ => true,
         };
         self.is_error() && concerns

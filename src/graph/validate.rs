@@ -78,7 +78,7 @@ impl Graph {
         found
     }
 
-    fn exposed_problems(&self, hints: &Hints) -> Vec<Problem> {
+    pub(super) fn exposed_problems(&self, hints: &Hints) -> Vec<Problem> {
         let owners = self.owners();
         let mut found = Vec::new();
         for (i, (name, exposed)) in self.exposed.iter().enumerate() {
@@ -92,7 +92,11 @@ impl Graph {
                 Err(faults) => found.extend(faults),
                 Ok(bound) => {
                     if let Err(message) = bound.param.shape.check(&exposed.value) {
-                        found.extend(self.blame_all(vec![Problem::error(place, message)], &bound.binds));
+                        found.extend(self.blame_all(
+                            vec![Problem::error(place, message)],
+                            name,
+                            &bound.binds,
+                        ));
                     }
                 }
             }

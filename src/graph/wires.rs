@@ -52,23 +52,33 @@ impl Graph {
         self.dag.edges(id).map(|e| (e.target(), e.weight().to, e.weight().from))
     }
 
-    /// The source of an output of the graph.
+    /// The source of an output of the graph, where nothing but the nodes themselves can stop it.
     ///
     /// # Errors
-    /// When there is no such output, or what it reads is not there; the nearest names are suggested.
+    /// When there is no such output or it has a fault: its name, what it reads, a setting; when a setting of the
+    /// terrain has one, or an exposed parameter that sets a node above the output. Faults of the nodes are found by
+    /// [`GraphNode::parse`](super::GraphNode::parse) and [`problems`](Self::problems).
     pub fn output_source(&self, name: &str) -> Result<Source, Problem> {
-        self.output_source_with(name, &Hints::new())
-    }
-
-    pub(super) fn output_source_with(&self, name: &str, hints: &Hints) -> Result<Source, Problem> {
+        let hints = Hints::new();
         let place = Place::Output(name.to_owned());
         let Some(output) = self.output(name) else {
             let names = || self.outputs().map(|(n, _)| n);
             let (all, hint) = (listed(names()), hints.nearest(name, names()));
             return Err(Problem::error(place, format!("is not an output of this graph; it has {all}{hint}")));
         };
-        self.resolve(&output.from)
-            .map_err(|miss| Problem::error(place, self.explain(&output.from, &miss, hints)))
+        if let Some(fault) = self.output_faults(name, output, &hints).into_iter().find(Problem::is_error) {
+            return Err(fault);
+        }
+        let source = self.resolve(&output.from);
+        let source =
+            source.map_err(|miss| Problem::error(place, self.explain(&output.from, &miss, &hints)))?;
+        if !self.stopped.is_empty() {
+            let upstream = self.upstream(source.node);
+            if let Some(fault) = self.stopped.iter().find(|p| p.stops(name, &upstream)) {
+                return Err(fault.clone());
+            }
+        }
+        Ok(source)
     }
 
     /// `node.port`, as the file writes it.

@@ -37,7 +37,7 @@ impl Graph {
         out.into_bytes()
     }
 
-    /// Writes the file whole or not at all; see [`save_bytes`].
+    /// Writes the file whole or not at all; to a temporary file in the same folder, to the disk, then over the old.
     ///
     /// # Errors
     /// Those of the file system; the old file is then as it was.
@@ -113,12 +113,9 @@ impl Graph {
     }
 }
 
-/// Writes a file whole or not at all: to a temporary file in the same folder, to the disk, then over the old one,
-/// whose permissions it gets. A link stays, and what it points to is replaced.
-///
-/// # Errors
-/// Those of the file system; the old file is then as it was.
-pub fn save_bytes(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// Writes a file whole or not at all. The old file's permissions stay; a link stays, and what it points to is
+/// replaced.
+fn save_bytes(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let old = target.metadata();

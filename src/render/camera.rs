@@ -36,7 +36,8 @@ pub struct Camera {
     pub pitch: f64,
     /// Angle across the picture's longer side, in degrees, 1 to 150.
     pub field_of_view: f64,
-    /// Distance from the point looked at, in metres; so far that the whole terrain is seen when there is none.
+    /// Distance from the point looked at, in metres. When there is none: so far that the whole block is seen, or
+    /// just before the near border of a terrain that goes into haze, overlooking it.
     pub distance: Option<f64>,
     /// The point looked at: east, south and elevation, in metres, in the coordinates of the field; the middle when
     /// there is none.
@@ -88,6 +89,8 @@ pub(super) struct Eye {
     right: Direction,
     up: Direction,
     size: [f64; 2],
+    /// The direction of the look on the ground, east and south.
+    pub(super) heading: [f64; 2],
     /// Angle of a pixel, in radians.
     pub(super) pixel: f64,
 }
@@ -109,6 +112,9 @@ impl Eye {
         let points = outline(surface, base, camera.edge);
         let origin = match camera.look_at {
             None => match camera.distance {
+                None if camera.edge == Edge::Haze => {
+                    overlooking([sin, -cos], p, pixel * size[1] * 0.5, surface)
+                }
                 None => fitted(&points, [right, up, forward], reach),
                 Some(distance) => {
                     let [width, depth] = surface.extent();
@@ -123,7 +129,7 @@ impl Eye {
                 std::array::from_fn(|k| place[k] - distance * forward[k])
             }
         };
-        Self { origin: above(origin, surface, base), forward, right, up, size, pixel }
+        Self { origin: above(origin, surface, base), heading: [sin, -cos], forward, right, up, size, pixel }
     }
 
     /// Distance from the box around the terrain; 0 inside it.
@@ -133,6 +139,17 @@ impl Eye {
         let away: [f64; 3] =
             std::array::from_fn(|k| (-self.origin[k]).max(self.origin[k] - box_end[k]).max(0.0));
         dot(away, away).sqrt()
+    }
+
+    /// How far below the horizon the land ends that goes into haze, as the upward part of a direction.
+    pub(super) fn end_of_land(&self, surface: &Surface) -> f64 {
+        let [width, depth] = surface.extent();
+        let centre = [width * 0.5 - self.origin[0], depth * 0.5 - self.origin[1]];
+        let along = centre[0] * self.heading[0] + centre[1] * self.heading[1];
+        let end = (along + 0.5 * width.min(depth)).max(0.3 * width.max(depth));
+        let down = (self.origin[2] - 0.15 * f64::from(surface.highest)).max(0.0);
+        // A look from high above has no horizon near the land's end; the sky stays where it is.
+        (down / (down * down + end * end).sqrt()).min(0.25)
     }
 
     /// The ray through a place of the picture, in pixels from its upper left.
@@ -159,11 +176,8 @@ fn placed([x, y, z]: [f64; 3], scene: &Scene<'_>, surface: &Surface) -> [f64; 3]
 fn outline(surface: &Surface, base: f64, edge: Edge) -> Vec<[f64; 3]> {
     const NET: usize = 96;
     let top = surface.top();
-    // Where the land goes on, the middle of the terrain fills the picture.
-    let inset = if edge == Edge::Haze { NET / 5 } else { 0 };
     let margin = surface.margin;
-    let steps =
-        |count: usize| (inset..=NET - inset).map(move |n| margin + n * (count - 2 * margin - 1) / NET);
+    let steps = |count: usize| (0..=NET).map(move |n| margin + n * (count - 2 * margin - 1) / NET);
     let point = |i: usize, j: usize, z: f64| [i as f64 * surface.cell, j as f64 * surface.cell, z];
     let net = steps(top.rows).flat_map(|j| steps(top.cols).map(move |i| (i, j)));
     let mut points: Vec<_> = net.map(|(i, j)| point(i, j, f64::from(top.row(j)[i]))).collect();
@@ -173,6 +187,23 @@ fn outline(surface: &Surface, base: f64, edge: Edge) -> Vec<[f64; 3]> {
         }
     }
     points
+}
+
+/// A place from which the lower border of the picture lies a little inside the near border of the terrain, and
+/// its middle row two fifths of the way across; `half` is the tangent of half the picture's height.
+fn overlooking(heading: [f64; 2], pitch: f64, half: f64, surface: &Surface) -> [f64; 3] {
+    let centre = surface.extent().map(|side| side * 0.5);
+    let margin = surface.margin as f64 * surface.cell;
+    // From the centre to the border, along the look.
+    let chord =
+        (0..2).map(|k| (centre[k] - margin) / heading[k].abs().max(1e-9)).fold(f64::INFINITY, f64::min);
+    // A look along or above the horizon never meets the ground; it is set up like one a little below.
+    let middle = libm::tan(pitch.clamp(0.05, 1.5));
+    let lowest = libm::tan((pitch + libm::atan(half)).clamp(0.12, 1.55)).max(middle * 1.05);
+    let height = 0.8 * chord / (1.0 / middle - 1.0 / lowest);
+    let back = 0.9 * chord + height / lowest;
+    let ground = 0.25 * f64::from(surface.highest);
+    [centre[0] - back * heading[0], centre[1] - back * heading[1], ground + height]
 }
 
 /// The place nearest to some points from which all are seen within `reach` of the middle of the picture (tangents

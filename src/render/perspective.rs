@@ -75,6 +75,8 @@ struct View<'a> {
     haze: f64,
     /// Distance to the terrain: there is no haze in that clear air.
     clear: f64,
+    /// How far below the true horizon the sky begins, as the upward part of a direction.
+    horizon: f64,
     longer: f64,
 }
 
@@ -107,6 +109,7 @@ impl<'a> View<'a> {
         let eye = Eye::new(camera, scene, surface, base);
         let [width, depth] = surface.extent();
         let clear = eye.distance(surface);
+        let horizon = if block.is_some() { 0.0 } else { eye.end_of_land(surface) };
         let lamp = Lamp { sky, shadow: scene.shadow as f32 };
         Ok(Self {
             surface,
@@ -118,6 +121,7 @@ impl<'a> View<'a> {
             sea,
             haze: scene.haze,
             clear,
+            horizon,
             longer: width.max(depth),
         })
     }
@@ -307,16 +311,28 @@ impl<'a> View<'a> {
 
     /// How much of the land is left at a place beyond the terrain, 0 to 1.
     fn faded(&self, u: f64, v: f64) -> f32 {
-        let (z, margin) = (&self.surface.z, self.surface.margin as f64);
-        let inside = |x: f64, count: usize| x.min((count - 1) as f64 - x) / margin.max(1.0);
-        rise(0.0, 1.0, inside(u, z.cols).min(inside(v, z.rows)) as f32)
+        let (z, margin) = (&self.surface.z, (self.surface.margin as f64).max(1.0));
+        let (cols, rows) = ((z.cols - 1) as f64, (z.rows - 1) as f64);
+        let inside = (u.min(cols - u).min(v).min(rows - v) / margin) as f32;
+        // Towards the camera haze would be a veil before the terrain: there the land ends late.
+        let away = (u - 0.5 * cols) * self.eye.heading[0] + (v - 0.5 * rows) * self.eye.heading[1];
+        let behind = rise(-0.25, 0.25, (away / (cols.min(rows) - 2.0 * margin).max(1.0)) as f32);
+        let (far, near) = (rise(0.0, 1.0, inside), rise(0.0, 0.25, inside));
+        near + behind * (far - near)
     }
 
     /// Sky, and haze below the horizon.
     fn background(&self, direction: Direction) -> [f32; 3] {
+        // Where the land ends in haze, the sky begins behind it: the world is not seen to go on below.
+        let up = (direction[2] + self.horizon) / (1.0 + self.horizon);
         let air = self.lamp.sky.airlight(direction);
-        let clear = rise(0.0, 0.09, direction[2] as f32);
-        if clear <= 0.0 { air } else { mix(air, self.lamp.sky.radiance(direction), clear) }
+        let clear = rise(0.0, 0.09, up as f32);
+        if clear <= 0.0 {
+            return air;
+        }
+        let flat = (direction[0] * direction[0] + direction[1] * direction[1]).sqrt().max(1e-9);
+        let level = (1.0 - up * up).max(0.0).sqrt() / flat;
+        mix(air, self.lamp.sky.radiance([direction[0] * level, direction[1] * level, up]), clear)
     }
 
     /// Light after a way through the air: dimmed, and with the light of the air added.

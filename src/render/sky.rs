@@ -8,7 +8,7 @@
 use super::Sun;
 
 /// Optical depth of the whole atmosphere straight up, for red, green and blue, of the molecules …
-const MOLECULES: [f64; 3] = [0.044, 0.100, 0.225];
+const MOLECULES: [f64; 3] = [0.044, 0.096, 0.228];
 /// … and of the haze of a clear day.
 const HAZE: [f64; 3] = [0.070, 0.074, 0.080];
 /// How far forward the haze scatters (the asymmetry of Henyey and Greenstein).
@@ -21,7 +21,7 @@ const BRIGHTNESS: f64 = 1.35;
 /// How much brighter the sky is shown than it is: a picture of land is exposed for the land.
 const SKY_BRIGHTNESS: f64 = 1.7;
 /// Entries of the table of far air: it is a smooth function.
-const AIR: usize = 64;
+const AIR: usize = 512;
 /// Height above the horizon of the air before far land.
 const AIR_UP: f64 = 0.05;
 
@@ -124,7 +124,7 @@ impl Sky {
             } else {
                 view / (view - sun) * (libm::exp(-depth * sun) - libm::exp(-depth * view))
             };
-            let again = [0.205, 0.265, 0.345][k] * (1.0 - libm::exp(-1.6 * depth * view));
+            let again = [0.21, 0.245, 0.375][k] * (1.0 - libm::exp(-1.6 * depth * view));
             (phase * path + again * libm::exp(-0.6 * depth * sun)) / (4.0 * std::f64::consts::PI)
         })
     }

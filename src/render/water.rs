@@ -13,6 +13,8 @@ const DEEP: [f32; 3] = [0.010, 0.050, 0.105];
 const SHALLOW: [f32; 3] = [0.060, 0.235, 0.270];
 /// The sea floor near the coast, linear.
 const FLOOR: [f32; 3] = [0.42, 0.37, 0.26];
+/// Depth that all water has, in units of its clarity, so that a shore is seen as one.
+const WET: f32 = 0.25;
 /// Samples of the grid on which the nearness of a coast is found.
 const COAST_GRID: usize = 256;
 /// How far shallows and shelf reach into a sea without depths, in samples of that grid.
@@ -59,10 +61,10 @@ impl Water {
     /// The colour that the water sends back under full daylight, at a sample.
     pub(super) fn color(&self, i: usize, j: usize, z: f32) -> [f32; 3] {
         let depth = match &self.coast {
-            None => (self.level - z).max(0.0) / self.clarity,
+            None => WET + (self.level - z).max(0.0) / self.clarity,
             Some(coast) => {
                 let near = coast.at(i, j);
-                0.22 + 4.5 * (1.0 - near) * (1.0 - near)
+                WET + 4.5 * (1.0 - near) * (1.0 - near)
             }
         };
         std::array::from_fn(|k| {

@@ -16,6 +16,8 @@ fn instruction_sets_do_not_change_a_bit() {
             let (mut reference, mut other) = (vec![0.0; xs.len()], vec![0.0; xs.len()]);
             row(Level::BASELINE, &mut reference);
             for level in Level::available() {
+                // A level that leaves the row alone must not pass for the one before.
+                other.fill(f32::NAN);
                 row(level, &mut other);
                 let bits = |v: &[f32]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
                 assert_eq!(bits(&reference), bits(&other), "{what}, {cols} columns, {level:?}");

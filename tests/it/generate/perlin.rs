@@ -170,6 +170,29 @@ fn directions_are_alike_over_seeds() {
 }
 
 #[test]
+fn lattices_are_turned_any_way_and_shifted_anywhere() {
+    // The step that 10 m to the east make on a lattice of 100 m, and where the origin of the world lies in its cell.
+    let (mut harmonics, mut places) = ([[0.0_f64; 2]; 4], [0.0_f64; 2]);
+    let n = 4000;
+    for seed in 0..n {
+        let turned = lattice::Turned::new(100.0, seed);
+        let ((c0, p0), (c1, p1)) = (turned.locate(0.0, 0.0), turned.locate(10.0, 0.0));
+        let step =
+            [0, 1].map(|a| f64::from(c1[a].wrapping_sub(c0[a]) as i32) + f64::from(p1[a]) - f64::from(p0[a]));
+        assert!((step[0] * step[0] + step[1] * step[1] - 0.01).abs() < 1e-6, "a step of {step:?} cells");
+        let angle = libm::atan2(step[1], step[0]);
+        for (sum, k) in harmonics.iter_mut().zip([1.0, 2.0, 4.0, 8.0]) {
+            *sum = [sum[0] + libm::cos(k * angle), sum[1] + libm::sin(k * angle)];
+        }
+        places = [0, 1].map(|a| places[a] + f64::from(p0[a]));
+    }
+    // Four standard deviations of a mean over the seeds.
+    let chance = 4.0 / (n as f64).sqrt();
+    assert!(harmonics.iter().flatten().all(|s| (s / n as f64).abs() < chance), "angles {harmonics:?}");
+    assert!(places.iter().all(|s| (s / n as f64 - 0.5).abs() < 0.3 * chance), "places {places:?}");
+}
+
+#[test]
 fn the_far_plane_is_as_smooth_as_the_near() {
     // Features of 0.1 m at 1e8 m: a step of 1 mm is a hundredth of a cell, whose largest slope is about 3 per cell.
     let noise = one_octave(0.1, 3);

@@ -190,7 +190,7 @@ fn opening_looks_before_it_reads() {
     let folder = tempfile::tempdir().unwrap();
     let open = |path: &std::path::Path| Graph::open(path, &registry()).unwrap_err();
     assert!(matches!(open(folder.path()), LoadError::NotAFile));
-    assert!(matches!(open(&folder.path().join("missing.graph")), LoadError::Io(_)));
+    assert!(matches!(open(&folder.path().join("missing.graph")), LoadError::Read(_)));
     // 100 MB that take no room on the disk.
     let large = folder.path().join("large.graph");
     fs::File::create(&large).unwrap().set_len(100_000_000).unwrap();

@@ -280,6 +280,11 @@ fn settings_that_do_not_fit_together_leave_a_terrain_that_works() {
     assert_eq!(graph.terrain().fault(), None);
     assert_eq!(graph.terrain_settings()["depth"], 777);
     assert!(graph.problems().iter().any(|p| p.stops("any", &std::collections::BTreeSet::new())));
+    let graph = load(
+        r#"{"orograph": 1, "terrain": {"width": 0}, "nodes": {"a": {"kind": "hills"}}, "outputs": {"o": {"from": "a.field"}}}"#,
+    );
+    let told = graph.output_source("o").unwrap_err().to_string();
+    assert_eq!(told, "terrain, setting `width`: must be a number from 1 to 20000000, got 0");
 }
 
 #[test]
@@ -350,4 +355,39 @@ fn an_input_that_a_node_does_not_use_is_not_missed() {
     );
     assert_eq!(errors(&graph), [""; 0]);
     has(&told(&graph), &["node `t`, input `a`: reads `nobody.field`, but the graph has no node `nobody`"]);
+}
+
+#[test]
+fn an_output_with_a_fault_has_no_source() {
+    let graph = load(
+        r#"{"orograph": 1, "nodes": {"a": {"kind": "hills"}, "b": {"kind": "hills"}}, "expose": {
+        "high": {"bind": ["a.octaves", "a.amplitude"], "value": 99}, "typo": {"bind": ["a.octavs"], "value": 1}, "Bad": {"bind": ["b.seed"]}},
+        "outputs": {"../x": {"from": "b.field"}, "aux": {"from": "b.field"}, "a": {"from": "a.field"}, "b": {"from": "b.field"},
+        "range": {"from": "b.field", "range": [2, 1]}, "format": {"from": "b.field", "format": "doc"}, "B": {"from": "b.field"}}}"#,
+    );
+    for (output, words) in [
+        ("../x", "must have a name of"),
+        ("aux", "Windows keeps for a device"),
+        ("a", "exposed `high`: must be a whole number from 1 to 16, got 99"),
+        ("range", "must be a lower and a higher number"),
+        ("format", "must be one of png8"),
+        ("B", "must have a name of"),
+    ] {
+        match graph.output_source(output) {
+            Err(problem) => assert!(problem.to_string().contains(words), "{output}: {problem}"),
+            Ok(_) => panic!("{output} has a source"),
+        }
+    }
+    assert!(graph.output_source("b").is_ok(), "a name that does not fit stops nothing");
+    let broken = load(
+        r#"{"orograph": 1, "nodes": {"a": {"kind": "hills"}}, "expose": {"sea": {"bind": ["terrain.sea_level", "a.ghost"], "value": 3}},
+        "outputs": {"a": {"from": "a.field"}}}"#,
+    );
+    let told = broken.output_source("a").unwrap_err().to_string();
+    assert!(
+        told.starts_with(
+            "terrain, setting `sea_level`: is exposed as `sea`, which has a fault: it cannot bind `a.ghost`"
+        ),
+        "{told}"
+    );
 }
