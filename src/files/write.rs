@@ -400,7 +400,7 @@ impl Sheet<'_> {
         }
         let voids = self.nodata.is_some() || self.has_voids();
         let layout = self.layout(tiff::Kind::I16, voids.then_some(-32768.0), None);
-        let of = |v: f32| if v.is_nan() { i16::MIN as u16 } else { (q.level(v) - 32767.0) as i16 as u16 };
+        let of = |v: f32| if v.is_nan() { i16::MIN as u16 } else { (q.level(v) - 32767) as i16 as u16 };
         tiff::write(out, &layout, &self.watch, |j, line| little_words(line, self.row(j), of))?;
         Ok(written)
     }
