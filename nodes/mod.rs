@@ -32,6 +32,7 @@ registry! {
 
     /// Reads height files.
     files {
+        import_height: ImportHeight,
     }
 
     /// Puts two fields together.
@@ -59,6 +60,16 @@ registry! {
 
     /// Finds places by height, slope, direction or form, and shows them.
     select {
+        colorize: Colorize,
+        distance: Distance,
+        expand: Expand,
+        hillshade: Hillshade,
+        normals: Normals,
+        occlusion: Occlusion,
+        select_aspect: SelectAspect,
+        select_curvature: SelectCurvature,
+        select_height: SelectHeight,
+        select_slope: SelectSlope,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Orograph: a node-graph terrain tool.
 
 pub mod context;
+pub mod cli;
 pub mod engine;
 pub mod files;
 pub mod graph;

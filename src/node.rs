@@ -85,6 +85,12 @@ pub enum Error {
         /// What is wrong with it.
         message: String,
     },
+    /// The kind panicked: a bug of the kind.
+    #[error("stopped by a bug of its kind: {message}")]
+    Panic {
+        /// What the panic said.
+        message: String,
+    },
     /// The work was asked to stop.
     #[error("cancelled")]
     Cancelled,
@@ -289,6 +295,12 @@ pub trait Node:
         }
     }
 
+    /// Whether an input matters to the result with these parameters; one that does not is never evaluated.
+    fn uses(&self, port: &str) -> bool {
+        let _ = port;
+        true
+    }
+
     /// What a run on an output grid needs beyond inputs and outputs.
     fn cost(&self, grid: &Grid) -> Cost {
         Cost::per_sample(grid, 2.0)
@@ -325,6 +337,8 @@ pub trait AnyNode: Debug + Send + Sync {
     fn reach(&self) -> Reach;
     /// See [`Node::footprint`].
     fn footprint(&self, port: &str, window: &Grid, terrain: &Terrain) -> Grid;
+    /// See [`Node::uses`].
+    fn uses(&self, port: &str) -> bool;
     /// See [`Node::cost`].
     fn cost(&self, grid: &Grid) -> Cost;
     /// See [`Node::check`].
@@ -356,6 +370,9 @@ impl<N: Node> AnyNode for N {
     }
     fn footprint(&self, port: &str, window: &Grid, terrain: &Terrain) -> Grid {
         Node::footprint(self, port, window, terrain)
+    }
+    fn uses(&self, port: &str) -> bool {
+        Node::uses(self, port)
     }
     fn cost(&self, grid: &Grid) -> Cost {
         Node::cost(self, grid)

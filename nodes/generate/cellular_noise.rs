@@ -124,7 +124,7 @@ impl Node for CellularNoise {
 
     fn cost(&self, grid: &Grid) -> Cost {
         let bytes = Worley::bytes(grid.cols) + 8 * grid.cols as u64;
-        Cost { bytes, ..Cost::per_sample(grid, 30.0) }
+        Cost { bytes, ..Cost::per_sample(grid, 12.0) }
     }
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {

@@ -140,7 +140,7 @@ impl Node for FractalNoise {
 
     fn cost(&self, grid: &Grid) -> Cost {
         let bytes = Fractal::bytes(self.octaves, grid.cols) + 8 * grid.cols as u64;
-        Cost { bytes, ..Cost::per_sample(grid, 1.0 + 7.0 * f64::from(self.octaves)) }
+        Cost { bytes, ..Cost::per_sample(grid, 1.0 + 4.0 * f64::from(self.octaves)) }
     }
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {

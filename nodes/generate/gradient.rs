@@ -5,7 +5,7 @@ use crate::prelude::*;
 /// Makes a ramp, a bell, a cone or a dome.
 ///
 /// The height is `foot + (top − foot) · p`, with the profile `p` from 0 to 1 of the form; beyond the form it stays
-/// at its last value. Distances are taken from a centre given relative to the middle of the terrain.
+/// at its last value. Distances are taken from a center given relative to the middle of the terrain.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Gradient {
@@ -13,7 +13,7 @@ pub struct Gradient {
     pub form: Form,
     /// Middle of the form: metres east and metres south of the middle of the terrain.
     #[schemars(extend("x-widget" = "point"))]
-    pub centre: [Metres; 2],
+    pub center: [Metres; 2],
     /// Height where the form begins: at the low end of a ramp, around a cone or dome.
     #[schemars(range(min = -1.0e5, max = 1.0e5), extend("x-soft" = [-1000.0, 3000.0]))]
     pub foot: Metres,
@@ -22,7 +22,7 @@ pub struct Gradient {
     pub top: Metres,
 }
 
-/// The form of a gradient, with `r` the distance from the centre in parts of the radius.
+/// The form of a gradient, with `r` the distance from the center in parts of the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Form {
@@ -31,7 +31,7 @@ pub enum Form {
         /// Compass direction in which it rises: 0 north, 90 east.
         #[serde(default = "north")]
         direction: Degrees,
-        /// Length of the ramp; half of it lies on each side of the centre.
+        /// Length of the ramp; half of it lies on each side of the center.
         #[serde(default = "length")]
         #[schemars(range(min = 0.01, max = 2.0e7), extend("x-soft" = [100.0, 20_000.0], "x-log" = true))]
         length: Metres,
@@ -75,7 +75,7 @@ impl Default for Gradient {
     fn default() -> Self {
         Self {
             form: Form::Linear { direction: north(), length: length() },
-            centre: [Metres(0.0), Metres(0.0)],
+            center: [Metres(0.0), Metres(0.0)],
             foot: Metres(0.0),
             top: Metres(1000.0),
         }
@@ -107,19 +107,19 @@ impl Node for Gradient {
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {
         let bounds = cx.terrain()?.bounds();
-        let middle = |axis: usize| (bounds.min[axis] + bounds.max[axis]) / 2.0 + self.centre[axis].0;
-        let centre = [middle(0), middle(1)];
+        let middle = |axis: usize| (bounds.min[axis] + bounds.max[axis]) / 2.0 + self.center[axis].0;
+        let center = [middle(0), middle(1)];
         let field = match self.form {
             Form::Linear { direction, length } => {
                 let (sin, cos) = libm::sincos(direction.0.to_radians());
-                self.fill(cx, centre, |x, y| 0.5 + (x * sin - y * cos) / length.0)
+                self.fill(cx, center, |x, y| 0.5 + (x * sin - y * cos) / length.0)
             }
-            Form::Radial { radius } => self.fill(cx, centre, |x, y| {
+            Form::Radial { radius } => self.fill(cx, center, |x, y| {
                 let r = (distance(x, y) / radius.0).min(1.0);
                 1.0 - r * r * (3.0 - 2.0 * r)
             }),
-            Form::Cone { radius } => self.fill(cx, centre, |x, y| 1.0 - distance(x, y) / radius.0),
-            Form::Dome { radius } => self.fill(cx, centre, |x, y| {
+            Form::Cone { radius } => self.fill(cx, center, |x, y| 1.0 - distance(x, y) / radius.0),
+            Form::Dome { radius } => self.fill(cx, center, |x, y| {
                 let r = (distance(x, y) / radius.0).min(1.0);
                 (1.0 - r * r).sqrt()
             }),
@@ -129,7 +129,7 @@ impl Node for Gradient {
 }
 
 impl Gradient {
-    /// Heights from a profile of the position relative to the centre; the profile is cut to 0 to 1.
+    /// Heights from a profile of the position relative to the center; the profile is cut to 0 to 1.
     fn fill(
         &self,
         cx: &Context<'_>,

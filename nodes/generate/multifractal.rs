@@ -83,7 +83,7 @@ impl Node for Multifractal {
         let columns = Fractal::bytes(self.octaves, grid.cols) + 8 * grid.cols as u64;
         // Inputs on a larger window are cropped, which copies them.
         let crops = 2 * 4 * grid.len() as u64;
-        Cost { bytes: columns + crops, ..Cost::per_sample(grid, 3.0 + 7.0 * f64::from(self.octaves)) }
+        Cost { bytes: columns + crops, ..Cost::per_sample(grid, 3.0 + 4.0 * f64::from(self.octaves)) }
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {

@@ -1,1 +1,213 @@
-//! Evaluates graphs.
+//! Evaluates graphs: plans what has to run, runs it within a budget, keeps the results.
+//!
+//! A graph is first made a *program* (`program`): the part upstream of the wanted values, parsed, each node with its
+//! key. The *plan* ([`Plan`]) walks it from the consumers up and states for each node the windows that are needed,
+//! on which lattice; what the cache holds ends the walk. Global nodes run on the base grid and their results, or
+//! changes, are carried to the consumer's grid (`lift`). The *runner* (`run`) starts what is ready, side by side,
+//! as long as the account of memory allows. The cache holds results in memory by key and window, and in a folder
+//! that later processes start warm from.
+
+mod cache;
+mod disk;
+mod error;
+mod files;
+mod key;
+mod lift;
+mod memory;
+mod mix;
+mod plan;
+mod program;
+mod run;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+pub use disk::DEFAULT_LIMIT as DEFAULT_CACHE_BYTES;
+pub use error::{EngineError, Failure, SharedFailure, bytes};
+pub use files::{Files, is_device};
+pub use key::Key;
+pub use memory::{default_budget, process_peak};
+pub use plan::{Plan, PlannedTask, Stage};
+pub use run::{Observer, TaskReport, Unobserved};
+
+use cache::{Given, Store};
+use program::Program;
+
+use crate::graph::{Graph, NodeId};
+use crate::node::{Cancel, Error};
+use crate::value::{Grid, Value};
+
+/// Seconds an evaluation may be estimated to take unless the user says otherwise: a day.
+pub const DEFAULT_SECONDS: f64 = 86_400.0;
+
+/// What an engine may use.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Worker threads; 0 for one per processor.
+    pub threads: usize,
+    /// Bytes of memory.
+    pub memory: u64,
+    /// Estimated seconds of one evaluation.
+    pub seconds: f64,
+    /// Folder of results that outlive the process.
+    pub cache: Option<PathBuf>,
+    /// Bytes that folder may hold when it is opened.
+    pub cache_bytes: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            threads: 0,
+            memory: default_budget(),
+            seconds: DEFAULT_SECONDS,
+            cache: None,
+            cache_bytes: DEFAULT_CACHE_BYTES,
+        }
+    }
+}
+
+/// A value that somebody wants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Want {
+    /// The node.
+    pub node: NodeId,
+    /// Its output.
+    pub port: &'static str,
+    /// The grid.
+    pub grid: Grid,
+}
+
+/// What an evaluation gave.
+#[derive(Debug)]
+pub struct Evaluation {
+    /// For each want its value, or why there is none.
+    pub values: Vec<Result<Value, SharedFailure>>,
+    /// What ran, in order.
+    pub tasks: Vec<TaskReport>,
+    /// Most bytes alive at once, by account.
+    pub peak_bytes: u64,
+    /// The estimate it was admitted with.
+    pub planned_bytes: u64,
+}
+
+/// Evaluates graphs and keeps what it computed.
+#[derive(Debug)]
+pub struct Engine {
+    pool: rayon::ThreadPool,
+    store: Store,
+    files: Files,
+    memory: u64,
+    seconds: f64,
+}
+
+impl Engine {
+    /// Starts the threads and opens the cache folder.
+    ///
+    /// # Errors
+    /// When either is not possible.
+    pub fn new(options: &Options, files: Files) -> Result<Self, EngineError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
+        let pool = pool.map_err(|e| EngineError::Threads(e.to_string()))?;
+        let open = |folder: &PathBuf| disk::Disk::open(folder, options.cache_bytes);
+        let disk =
+            options.cache.as_ref().map(open).transpose().map_err(|e| EngineError::Cache(e.to_string()))?;
+        let store = Store::new(options.memory, disk);
+        Ok(Self { pool, store, files, memory: options.memory, seconds: options.seconds })
+    }
+
+    /// The pool on which nodes run, for work that goes with an evaluation.
+    pub fn pool(&self) -> &rayon::ThreadPool {
+        &self.pool
+    }
+
+    /// Bytes of results held in memory.
+    pub fn cached_bytes(&self) -> u64 {
+        self.store.bytes()
+    }
+
+    /// States what an evaluation would run.
+    pub fn plan(&self, graph: &Graph, wants: &[Want]) -> Plan {
+        let nodes: Vec<NodeId> = wants.iter().map(|w| w.node).collect();
+        let program = Arc::new(Program::new(graph, &nodes, &self.files));
+        let find = |want: &Want| {
+            let unknown = || Arc::new(Failure::Graph("a wanted node is not in the graph".into()));
+            program.find(want.node).map(|step| (step, want.grid)).ok_or_else(unknown)
+        };
+        let wants: Vec<_> = wants.iter().map(find).collect();
+        Plan::new(program, &wants, &self.store)
+    }
+
+    /// The key of a node's results, whatever the grid; `None` when the node has a fault.
+    pub fn key(&self, graph: &Graph, node: NodeId) -> Option<Key> {
+        let program = Program::new(graph, &[node], &self.files);
+        let step = program.steps.get(program.find(node)?)?;
+        step.as_ref().ok().map(|s| s.key)
+    }
+
+    /// Refuses a plan that is over a budget.
+    ///
+    /// # Errors
+    /// Names the budget, the estimate and where its peak is.
+    pub fn admit(&self, plan: &Plan) -> Result<(), EngineError> {
+        let need = plan.peak_bytes();
+        if need > self.memory {
+            return Err(EngineError::Memory { need, budget: self.memory, at: plan.peak_node() });
+        }
+        let need = plan.seconds() / self.pool.current_num_threads() as f64;
+        if need > self.seconds {
+            return Err(EngineError::Time { need, budget: self.seconds });
+        }
+        Ok(())
+    }
+
+    /// Evaluates what is wanted. A failure stops only what needs the failed node.
+    ///
+    /// # Errors
+    /// When the plan is over a budget or the work is cancelled.
+    pub fn evaluate(
+        &self,
+        graph: &Graph,
+        wants: &[Want],
+        observer: &dyn Observer,
+        cancel: &Cancel,
+    ) -> Result<Evaluation, EngineError> {
+        loop {
+            let plan = self.plan(graph, wants);
+            self.admit(&plan)?;
+            observer.planned(&plan);
+            let spare = self.memory - plan.peak_bytes();
+            // Half of what the tasks leave is for running ahead, half for keeping results.
+            self.store.limit(spare / 2);
+            let threads = self.pool.current_num_threads();
+            let (plan, store, pool) = (&plan, &self.store, &self.pool);
+            let workers = threads.min(plan.tasks.len()).min(4);
+            let ran = run::Runner { plan, store, pool, observer, cancel, slack: spare / 2, workers }.run();
+            if cancel.is_cancelled() {
+                return Err(EngineError::Cancelled);
+            }
+            // The damaged file is gone now: the next plan computes what it should have held.
+            if ran.damaged {
+                continue;
+            }
+            let values = wants.iter().zip(ran.wanted).map(|(want, given)| cut(want, &*given?));
+            let values = values.collect();
+            return Ok(Evaluation {
+                values,
+                tasks: ran.reports,
+                peak_bytes: ran.peak_bytes,
+                planned_bytes: plan.peak_bytes(),
+            });
+        }
+    }
+}
+
+/// The wanted window of what a task gave.
+fn cut(want: &Want, given: &Given) -> Result<Value, SharedFailure> {
+    let value = given.wires().and_then(|w| w.get(want.port));
+    let missing = || {
+        let error = Error::Output { port: want.port, message: "was not given".into() };
+        Arc::new(Failure::Graph(error.to_string()))
+    };
+    value.map(|v| v.crop(&want.grid)).ok_or_else(missing)
+}

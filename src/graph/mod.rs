@@ -1,1 +1,177 @@
-//! The document.
+//! The document: a directed graph of nodes, the world they make, and the file that holds both.
+//!
+//! A [`Graph`] is read from a `.graph` file, checked, edited and written back. Reading fails only where there is no
+//! graph to show; what is wrong inside one is kept as it was written and reported by [`Graph::problems`], each
+//! [`Problem`] with its [`Place`]. Edits refuse what would be wrong, with the same problems. `docs/graph-file.md`
+//! describes the file.
+//!
+//! Names, places on the canvas, titles and exposed names have no part in what a node computes, so no edit of those
+//! touches a cached result; the engine takes [`GraphNode::parse`], the wires and the [`Terrain`] and nothing else.
+
+mod bind;
+mod edit;
+mod expose;
+mod json;
+mod load;
+mod migrate;
+mod order;
+mod parts;
+mod path;
+mod problem;
+mod schema;
+mod settings;
+mod validate;
+mod wires;
+mod write;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+pub use petgraph::stable_graph::NodeIndex as NodeId;
+use petgraph::stable_graph::StableDiGraph;
+use serde_json::{Map, Value as Json};
+
+pub use load::{LoadError, MAX_FILE, MAX_NAMED, MAX_NODES};
+pub use migrate::FORMAT;
+pub use parts::{About, Backend, Exposed, GraphNode, KindRef, Output, OutputFormat, TARGETS};
+pub use problem::{Place, Problem, Severity};
+pub use schema::schema;
+pub use settings::terrain_params;
+pub use wires::Source;
+use wires::Wire;
+
+use crate::nodes::Registry;
+use crate::value::Terrain;
+
+/// A graph of nodes over a terrain; see the [module](self).
+#[derive(Clone, Debug)]
+pub struct Graph {
+    registry: Registry,
+    dag: StableDiGraph<GraphNode, Wire>,
+    /// The nodes in the order of the file; the indices of petgraph are used again after a removal.
+    sequence: Vec<NodeId>,
+    names: HashMap<String, NodeId>,
+    about: About,
+    /// The terrain as the file writes it, and as it is used.
+    settings: Map<String, Json>,
+    terrain: Terrain,
+    exposed: Vec<(String, Exposed)>,
+    outputs: Vec<(String, Output)>,
+    /// The versions that the file states for kinds that this program does not know.
+    versions: Map<String, Json>,
+    extra: Map<String, Json>,
+    /// What was doubtful in the file that was read, and is settled when it is written anew.
+    notes: Vec<Problem>,
+    /// Errors of the terrain and of exposed parameters.
+    stopped: Vec<Problem>,
+    /// The file as it was read, while nothing has changed.
+    original: Option<Arc<[u8]>>,
+}
+
+impl Default for Graph {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Graph {
+    /// An empty graph over the default terrain, with the kinds of this program.
+    pub fn new() -> Self {
+        Self::with_registry(Registry::standard())
+    }
+
+    /// An empty graph over the default terrain, with some kinds.
+    pub fn with_registry(registry: Registry) -> Self {
+        Self {
+            registry,
+            dag: StableDiGraph::new(),
+            sequence: Vec::new(),
+            names: HashMap::new(),
+            about: About::default(),
+            settings: Map::new(),
+            terrain: Terrain::default(),
+            exposed: Vec::new(),
+            outputs: Vec::new(),
+            versions: Map::new(),
+            extra: Map::new(),
+            notes: Vec::new(),
+            stopped: Vec::new(),
+            original: None,
+        }
+    }
+
+    /// The kinds that its nodes may be of.
+    pub fn registry(&self) -> &Registry {
+        &self.registry
+    }
+
+    /// What it says about itself.
+    pub fn about(&self) -> &About {
+        &self.about
+    }
+
+    /// The world, exposed values included. It never has a [`Terrain::fault`]: settings that do not fit have their
+    /// defaults, and [`problems`](Self::problems) tells.
+    pub fn terrain(&self) -> &Terrain {
+        &self.terrain
+    }
+
+    /// The settings of the terrain as they are written, those that do not fit included.
+    pub fn terrain_settings(&self) -> &Map<String, Json> {
+        &self.settings
+    }
+
+    /// The nodes, in the order of the file.
+    pub fn nodes(&self) -> impl ExactSizeIterator<Item = NodeId> + '_ {
+        self.sequence.iter().copied()
+    }
+
+    /// A node.
+    ///
+    /// # Panics
+    /// When the graph has no such node; see [`get`](Self::get).
+    pub fn node(&self, id: NodeId) -> &GraphNode {
+        &self.dag[id]
+    }
+
+    /// A node, if the graph has it.
+    pub fn get(&self, id: NodeId) -> Option<&GraphNode> {
+        self.dag.node_weight(id)
+    }
+
+    /// The node of a name.
+    pub fn find(&self, name: &str) -> Option<NodeId> {
+        self.names.get(name).copied()
+    }
+
+    /// The outputs, in the order of the file.
+    pub fn outputs(&self) -> impl ExactSizeIterator<Item = (&str, &Output)> {
+        self.outputs.iter().map(|(name, output)| (name.as_str(), output))
+    }
+
+    /// The output of a name.
+    pub fn output(&self, name: &str) -> Option<&Output> {
+        self.outputs().find(|(n, _)| *n == name).map(|(_, output)| output)
+    }
+
+    /// The exposed parameters, in the order of the file.
+    pub fn exposed(&self) -> impl ExactSizeIterator<Item = (&str, &Exposed)> {
+        self.exposed.iter().map(|(name, exposed)| (name.as_str(), exposed))
+    }
+
+    /// What the file says beyond what this version knows, kept as it was written.
+    pub fn extra(&self) -> &Map<String, Json> {
+        &self.extra
+    }
+
+    /// Whether it differs from the file it was read from, or was not read from one.
+    pub fn is_changed(&self) -> bool {
+        self.original.is_none()
+    }
+
+    /// Called by every edit that changes something.
+    fn touch(&mut self) {
+        self.original = None;
+        self.notes.clear();
+    }
+}

@@ -1,11 +1,19 @@
 //! Numerics that several nodes share.
 
 pub mod blur;
+pub mod color;
 pub mod curve;
+pub mod derivative;
+pub mod distance;
 pub mod hash;
+pub mod math;
 pub mod median;
+pub mod morphology;
 pub mod noise;
+pub mod ramp;
 pub mod rows;
 pub mod sample;
+pub mod shifted;
 pub mod simd;
+pub mod spline;
 pub mod stats;

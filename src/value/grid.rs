@@ -206,6 +206,11 @@ impl Bounds {
         }
     }
 
+    /// The rectangle a hair smaller, so that an edge that rounding pushed past a grid line falls back onto it.
+    pub(crate) fn shrunk_by_rounding(&self) -> Self {
+        self.grown(-1e-9 * self.width().max(self.depth()))
+    }
+
     /// The smallest rectangle around some points; `None` when there is none.
     pub fn around(points: impl IntoIterator<Item = [f64; 2]>) -> Option<Self> {
         let mut points = points.into_iter();

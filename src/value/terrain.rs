@@ -127,6 +127,13 @@ impl Terrain {
         self.grid(self.base).expect("a checked terrain has a base grid")
     }
 
+    /// The widest window of a lattice that is ever evaluated: the terrain and half its longer side around it.
+    /// Beyond it border values continue, so that no chain of wide filters asks for more than four terrains.
+    pub fn apron(&self, lattice: Lattice) -> Grid {
+        let whole = Grid::covering(lattice, self.bounds().shrunk_by_rounding());
+        whole.grow_cells(i64::from(lattice.intervals.div_ceil(2)))
+    }
+
     /// Distance between samples of the base grid, in metres.
     pub fn base_cell(&self) -> f64 {
         self.span() / f64::from(self.base - 1)

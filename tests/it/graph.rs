@@ -1,1 +1,10 @@
-//! Tests of: graph.
+//! The document: files, problems, edits.
+#![allow(clippy::unwrap_used, reason = "a test stops where something fails")]
+
+mod edits;
+mod exposed;
+mod files;
+mod hostile;
+mod kinds;
+mod properties;
+mod schema;

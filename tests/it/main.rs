@@ -4,6 +4,7 @@ mod engine;
 mod files;
 mod filters;
 mod generate;
+mod kinds;
 mod graph;
 mod laws;
 mod render;

@@ -3,7 +3,7 @@
 use super::CHUNK;
 use super::lattice::{Columns, Turned, perlin};
 use crate::kit::hash;
-use crate::kit::simd::{Kernel, Level, exp2};
+use crate::kit::simd::{Kernel, Level, exp2, larger, smaller};
 
 /// How octaves add up. Heights are in parts of the amplitude; `w` is the weight of an octave, the weights sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,7 +166,7 @@ impl Round {
     #[inline(always)]
     fn abs(self, x: f32) -> f32 {
         let x = x.abs();
-        let near = x.min(self.width);
+        let near = smaller(x, self.width);
         (x - near) + near * near * self.half
     }
 }
@@ -192,7 +192,7 @@ impl Rule for Ridged {
     fn join(self, noise: f32, weight: f32, sum: f32, factor: f32, _: f32) -> (f32, f32) {
         let crest = 1.0 - self.round.abs(noise);
         let signal = crest * crest * factor;
-        (sum + weight * signal, (signal * self.focus).min(1.0))
+        (sum + weight * signal, smaller(signal * self.focus, 1.0))
     }
 }
 
@@ -206,7 +206,7 @@ impl Rule for Hybrid {
     #[inline(always)]
     fn join(self, noise: f32, weight: f32, sum: f32, factor: f32, _: f32) -> (f32, f32) {
         let signal = (noise + self.base) * factor;
-        (sum + weight * self.share * signal, signal.max(0.0).min(1.0))
+        (sum + weight * self.share * signal, smaller(larger(signal, 0.0), 1.0))
     }
 }
 
@@ -218,7 +218,7 @@ impl Rule for Rough {
     const CARRIES: bool = true;
     #[inline(always)]
     fn ratio(self, roughness: f32) -> f32 {
-        exp2((roughness.max(0.0).min(1.0) - 1.0) * self.log2)
+        exp2((smaller(larger(roughness, 0.0), 1.0) - 1.0) * self.log2)
     }
     #[inline(always)]
     fn join(self, noise: f32, _: f32, sum: f32, factor: f32, ratio: f32) -> (f32, f32) {

@@ -3,7 +3,7 @@
 use super::CHUNK;
 use super::lattice::{Columns, Turned, scramble, spread, step};
 use crate::kit::hash;
-use crate::kit::simd::{Kernel, Level};
+use crate::kit::simd::{Kernel, Level, larger, smaller};
 
 /// How distance is measured, along the axes of the turned lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -188,16 +188,6 @@ fn jitter(col: u32, row: u32, scale: f32) -> (u32, [f32; 2]) {
     // The place takes the lower bits too, which the hash leaves weak.
     let h = h ^ (h >> 12);
     (h, [h as i32 as f32 * scale, (h << 16) as i32 as f32 * scale])
-}
-
-// The operands of the vector minimum and maximum; `f32::min` also asks for NaN, which costs two instructions more.
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 /// Searches the cells around a sample. A cell is centred on its corner of the lattice, so the sample at 0 to 1 has

@@ -1,0 +1,153 @@
+//! Arguments that several commands share.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::exit::Stop;
+use crate::engine::{DEFAULT_CACHE_BYTES, DEFAULT_SECONDS, Options, default_budget};
+use crate::value::{Bounds, Grid, Terrain};
+
+/// A graph and what is changed in it before it is evaluated.
+#[derive(Debug, Args)]
+pub(super) struct GraphArgs {
+    /// The .graph file
+    pub graph: PathBuf,
+    /// Sets an exposed parameter, `node.parameter` or `terrain.setting`; repeatable
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Reads such values from a JSON object
+    #[arg(long, value_name = "FILE")]
+    pub vars: Option<PathBuf>,
+    /// Seed of the whole graph
+    #[arg(long)]
+    pub seed: Option<u32>,
+    /// Samples along the longer side of the base grid, on which global nodes run
+    #[arg(long, value_name = "N")]
+    pub base: Option<u32>,
+    /// A folder that the graph may read files from, beside its own; repeatable
+    #[arg(long, value_name = "DIR")]
+    pub allow: Vec<PathBuf>,
+}
+
+/// The part of the terrain and its resolution.
+#[derive(Debug, Args)]
+pub(super) struct GridArgs {
+    /// Samples along the longer side of the whole terrain [default: the base grid's]
+    #[arg(long, value_name = "N")]
+    pub size: Option<u32>,
+    /// A part of the terrain in metres, west,north,east,south; snapped outwards to the grid
+    #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
+    pub region: Option<String>,
+}
+
+/// What the engine may use.
+#[derive(Debug, Args)]
+pub(super) struct EngineArgs {
+    /// Worker threads [default: one per processor]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub threads: usize,
+    /// Budget of memory, as 8G or 512M [default: three quarters of the machine's]
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    pub memory: Option<u64>,
+    /// Budget of estimated time, in seconds [default: a day]
+    #[arg(long, value_name = "SECONDS")]
+    pub time: Option<f64>,
+    /// Folder that keeps results for later builds; many processes may share it
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Most bytes that folder may keep, as 32G
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    pub cache_size: Option<u64>,
+}
+
+impl EngineArgs {
+    pub(super) fn options(&self) -> Options {
+        Options {
+            threads: self.threads,
+            memory: self.memory.unwrap_or_else(default_budget),
+            seconds: self.time.unwrap_or(DEFAULT_SECONDS),
+            cache: self.cache.clone(),
+            cache_bytes: self.cache_size.unwrap_or(DEFAULT_CACHE_BYTES),
+        }
+    }
+}
+
+impl GridArgs {
+    /// The grid of the whole terrain and the asked-for window of it.
+    pub(super) fn grids(&self, terrain: &Terrain) -> Result<(Grid, Grid), Stop> {
+        let whole = terrain
+            .grid(self.size.unwrap_or(terrain.base))
+            .map_err(|e| Stop::usage(format!("--size: {e}")))?;
+        let Some(text) = &self.region else { return Ok((whole, whole)) };
+        let bounds = region(text).ok_or_else(|| {
+            Stop::usage(format!("--region takes four numbers in metres, west,north,east,south, got `{text}`"))
+        })?;
+        let window = Grid::covering(whole.lattice, bounds).intersection(&whole);
+        if window.cols < 2 || window.rows < 2 {
+            let b = terrain.bounds();
+            return Err(Stop::usage(format!(
+                "--region {text} holds fewer than two samples each way; the terrain goes from {:?} to {:?} m in cells of {} m",
+                b.min,
+                b.max,
+                whole.cell()
+            )));
+        }
+        Ok((whole, window))
+    }
+}
+
+fn region(text: &str) -> Option<Bounds> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
+    match numbers?.as_slice() {
+        &[x0, y0, x1, y1] if [x0, y0, x1, y1].iter().all(|v| v.is_finite()) && x0 < x1 && y0 < y1 => {
+            Some(Bounds { min: [x0, y0], max: [x1, y1] })
+        }
+        _ => None,
+    }
+}
+
+/// Bytes as a person writes them: 1048576, 512M, 8G, 1.5T.
+pub(super) fn parse_bytes(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let factor = match unit.to_ascii_lowercase().trim_end_matches("ib").trim_end_matches('b') {
+        "" => 1.0,
+        "k" => 1024.0,
+        "m" => 1024.0 * 1024.0,
+        "g" => 1024.0 * 1024.0 * 1024.0,
+        "t" => 1024.0 * 1024.0 * 1024.0 * 1024.0,
+        _ => return Err(format!("`{unit}` is not a unit of bytes; use K, M, G or T")),
+    };
+    let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
+    let bytes = value * factor;
+    if bytes >= 1.0 && bytes < 1e18 {
+        Ok(bytes as u64)
+    } else {
+        Err(format!("must be at least one byte, got `{text}`"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_bytes() {
+        assert_eq!(parse_bytes("512M"), Ok(512 << 20));
+        assert_eq!(parse_bytes("1.5 GiB"), Ok(3 << 29));
+        assert_eq!(parse_bytes("4096"), Ok(4096));
+        for bad in ["", "G", "-1G", "0", "8X", "1e30"] {
+            assert!(parse_bytes(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn reads_regions() {
+        assert!(region("0,0,10,20").is_some());
+        for bad in ["", "0,0,10", "0,0,0,0", "5,0,1,9", "a,b,c,d", "0,0,inf,9", "0,0,1,2,3"] {
+            assert!(region(bad).is_none(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! `orograph build`: evaluates the outputs of a graph and writes them.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use serde_json::{Value as Json, json};
+
+use super::args::{EngineArgs, GraphArgs, GridArgs};
+use super::exit::{Exit, Stop};
+use super::folder::Folder;
+use super::job::{Job, Tile, jobs};
+use super::open::{self, Opened};
+use super::plan::chosen;
+use super::progress::{Mode, Progress};
+use super::report::Report;
+use super::tiles::{TileArgs, tiles};
+use crate::engine::{Engine, EngineError, Evaluation, Want};
+use crate::files::Format;
+use crate::graph::Graph;
+use crate::node::Cancel;
+use crate::nodes::Registry;
+use crate::value::Grid;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    graph: GraphArgs,
+    /// The folder to write into; made when it is not there
+    #[arg(short = 'o', long = "out", value_name = "DIR")]
+    out: PathBuf,
+    /// One output; repeatable; all when left out
+    #[arg(long = "output", value_name = "NAME")]
+    outputs: Vec<String>,
+    #[command(flatten)]
+    grid: GridArgs,
+    #[command(flatten)]
+    tiles: TileArgs,
+    /// Writes every output in this format
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    /// Where nodes run
+    #[arg(long, value_enum, default_value_t = Backend::Cpu)]
+    backend: Backend,
+    #[command(flatten)]
+    engine: EngineArgs,
+    /// Replaces files in the folder that no build wrote; an input never
+    #[arg(long)]
+    overwrite: bool,
+    /// Stops at any warning of the graph
+    #[arg(long)]
+    strict: bool,
+    /// Where the report goes [default: report.json in the folder]
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// How progress is shown on standard error [default: a bar on a terminal]
+    #[arg(long, value_enum)]
+    progress: Option<Mode>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Backend {
+    /// The reference, the same bits everywhere
+    Cpu,
+    /// The GPU where a node has a twin for it
+    Auto,
+    /// The GPU, or an error
+    Gpu,
+}
+
+pub(super) fn run(args: Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
+    if args.backend == Backend::Gpu {
+        let message =
+            "--backend gpu: no node kind of this version runs on the GPU; use --backend cpu or auto";
+        return Err(Stop::new(Exit::Device, message));
+    }
+    let Opened { graph, files, problems, variables } = open::open(&args.graph, registry)?;
+    for problem in &problems {
+        eprintln!("{}: {problem}", if problem.is_error() { "error" } else { "warning" });
+    }
+    if args.strict && !problems.is_empty() {
+        return Err(Stop::new(Exit::Graph, format!("--strict: the graph has {} problems", problems.len())));
+    }
+    let (whole, window) = args.grid.grids(graph.terrain())?;
+    let tiles = tiles(&args.tiles, &window)?;
+    let names = chosen(&graph, &args.outputs)?;
+    let inputs = [args.graph.graph.clone()].into_iter().chain(source_files(&graph, &args.graph.graph));
+    let folder = Folder::open(&args.out, inputs, args.overwrite)?;
+    let report_path = args.report.clone().unwrap_or_else(|| args.out.join("report.json"));
+    let head = head(&graph, &args, &whole, variables);
+    let mut report = Report::start(&report_path, head)?;
+    let engine = Engine::new(&args.engine.options(), files)?;
+    let progress = Progress::new(args.progress);
+    let build =
+        Build { graph: &graph, engine: &engine, progress: &progress, cancel, whole, many: tiles.len() > 1 };
+    let outcome = build.all(&names, args.format, &tiles, folder, &mut report);
+    progress.end();
+    let exit = outcome?;
+    report.write()?;
+    Ok(exit)
+}
+
+/// The files that the nodes read, as far as they lie where the graph says.
+fn source_files(graph: &Graph, path: &std::path::Path) -> Vec<PathBuf> {
+    let folder = path.parent().unwrap_or(std::path::Path::new("."));
+    let nodes = graph.nodes().filter_map(|id| graph.node(id).parse().ok());
+    nodes.flat_map(|n| n.files()).map(|f| folder.join(f.name)).collect()
+}
+
+fn head(
+    graph: &Graph,
+    args: &Args,
+    whole: &Grid,
+    variables: serde_json::Map<String, Json>,
+) -> serde_json::Map<String, Json> {
+    let mut head = serde_json::Map::new();
+    let mut put = |name: &str, value: Json| head.insert(name.to_owned(), value);
+    put("orograph", json!(env!("CARGO_PKG_VERSION")));
+    put("graph", json!(args.graph.graph.display().to_string()));
+    put("graph_key", json!(blake3::hash(&graph.canonical()).to_hex().as_str()));
+    put("seed", json!(graph.terrain().seed));
+    put("variables", Json::from(variables));
+    put("backend", json!("cpu"));
+    put("terrain", serde_json::to_value(graph.terrain()).unwrap_or_default());
+    put("size", json!(whole.cols.max(whole.rows)));
+    put("cell", json!(whole.cell()));
+    put("base_cell", json!(graph.terrain().base_cell()));
+    head
+}
+
+struct Build<'a> {
+    graph: &'a Graph,
+    engine: &'a Engine,
+    progress: &'a Progress,
+    cancel: &'a Cancel,
+    whole: Grid,
+    many: bool,
+}
+
+impl Build<'_> {
+    fn all(
+        &self,
+        names: &[String],
+        format: Option<Format>,
+        tiles: &[Tile],
+        mut folder: Folder,
+        report: &mut Report,
+    ) -> Result<Exit, Stop> {
+        let mut exit = Exit::Done;
+        let mut failed = |output: &str, message: String, code: Exit, report: &mut Report| {
+            self.progress.say(&format!("error: output `{output}`: {message}"));
+            report.failure(output, &message);
+            if exit == Exit::Done {
+                exit = code;
+            }
+        };
+        let (mut jobs, broken) = jobs(self.graph, names, format);
+        for (name, problem) in broken {
+            failed(&name, problem.to_string(), Exit::Graph, report);
+        }
+        // A few samples tell what each output is, and so its format and range, before anything large runs.
+        self.resolve(&mut jobs, tiles, &mut failed, report)?;
+        let files: Vec<String> =
+            jobs.iter().flat_map(|j| tiles.iter().flat_map(|t| j.files(t, self.many))).collect();
+        folder.claim(&files)?;
+        for tile in tiles {
+            if jobs.is_empty() {
+                break;
+            }
+            let evaluation = self.evaluate(&jobs, tile, report)?;
+            let mut dropped = Vec::new();
+            for (i, (job, value)) in jobs.iter().zip(&evaluation.values).enumerate() {
+                let written = match value {
+                    Ok(value) => {
+                        job.write(value, tile, self.many, self.graph.terrain(), &self.whole, folder.dir())
+                    }
+                    Err(failure) => Err(Stop::new(Exit::of(failure), failure)),
+                };
+                match written {
+                    Ok(entry) => {
+                        entry
+                            .notes
+                            .iter()
+                            .for_each(|n| self.progress.say(&format!("note: output `{}`: {n}", job.name)));
+                        report.output(entry.json);
+                    }
+                    Err(stop) => {
+                        failed(&job.name, stop.message, stop.exit, report);
+                        dropped.push(i);
+                    }
+                }
+            }
+            let mut i = 0;
+            jobs.retain(|_| {
+                i += 1;
+                !dropped.contains(&(i - 1))
+            });
+        }
+        Ok(exit)
+    }
+
+    /// Finds format and range of each output; those that fail are taken out.
+    fn resolve(
+        &self,
+        jobs: &mut Vec<Job>,
+        tiles: &[Tile],
+        failed: &mut impl FnMut(&str, String, Exit, &mut Report),
+        report: &mut Report,
+    ) -> Result<(), Stop> {
+        let Some(first) = tiles.first() else { return Ok(()) };
+        let corner = Grid { cols: 2.min(first.grid.cols), rows: 2.min(first.grid.rows), ..first.grid };
+        self.progress.label("first look");
+        let looks = self.values(jobs, &corner, report)?;
+        let mut ranged = Vec::new();
+        for (job, value) in jobs.iter_mut().zip(&looks.values) {
+            if let Ok(value) = value {
+                job.settle(value);
+                if job.needs_range() {
+                    ranged.push(job.name.clone());
+                }
+            }
+        }
+        let mut failures: Vec<(String, String, Exit)> = Vec::new();
+        let fault = |job: &Job, f: &crate::engine::Failure| (job.name.clone(), f.to_string(), Exit::of(f));
+        failures.extend(
+            jobs.iter().zip(&looks.values).filter_map(|(j, v)| v.as_ref().err().map(|f| fault(j, f))),
+        );
+        // One range for the whole terrain, never one a tile: that of the base grid.
+        let base = self.graph.terrain().base_grid();
+        self.progress.label("range");
+        for job in jobs.iter_mut().filter(|j| ranged.contains(&j.name)) {
+            let wants = [Want { node: job.source.node, port: job.source.port, grid: base }];
+            let evaluation = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
+            report.tasks(&evaluation.tasks, evaluation.peak_bytes, evaluation.planned_bytes);
+            match &evaluation.values[0] {
+                Ok(value) => job.take_range(value),
+                Err(f) => failures.push(fault(job, f)),
+            }
+        }
+        jobs.retain(|j| !failures.iter().any(|(name, ..)| *name == j.name));
+        for (name, message, exit) in failures {
+            failed(&name, message, exit, report);
+        }
+        Ok(())
+    }
+
+    fn evaluate(&self, jobs: &[Job], tile: &Tile, report: &mut Report) -> Result<Evaluation, Stop> {
+        self.progress.label(if self.many {
+            format!("tile {},{}", tile.place.col, tile.place.row)
+        } else {
+            String::new()
+        });
+        Ok(self.values(jobs, &tile.grid, report)?)
+    }
+
+    fn values(&self, jobs: &[Job], grid: &Grid, report: &mut Report) -> Result<Evaluation, EngineError> {
+        let want = |job: &Job| Want { node: job.source.node, port: job.source.port, grid: *grid };
+        let wants: Vec<_> = jobs.iter().map(want).collect();
+        let evaluation = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
+        report.tasks(&evaluation.tasks, evaluation.peak_bytes, evaluation.planned_bytes);
+        Ok(evaluation)
+    }
+}

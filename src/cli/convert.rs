@@ -1,0 +1,96 @@
+//! `orograph convert`: a height file in another format.
+
+use std::path::{Path, PathBuf};
+
+use cap_std::ambient_authority;
+use cap_std::fs::Dir;
+
+use super::exit::{Exit, Stop, save};
+use crate::files::{
+    Encoding, FileJob, Format, Limits, encode_file, read_height_as, sidecar_name, write_atomic,
+};
+use crate::node::Cancel;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The file to read
+    input: PathBuf,
+    /// The file to write; its extension chooses the format
+    output: PathBuf,
+    /// The format to write, where the extension does not say enough
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    /// Values that the lowest and the highest integer stand for, as LOW,HIGH [default: those of the file]
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true)]
+    range: Option<String>,
+    /// Cuts off values beyond the range instead of failing
+    #[arg(long)]
+    clip: bool,
+    /// Writes the rows from south to north
+    #[arg(long)]
+    flip: bool,
+    /// Metres a unit of the file, for files that do not say
+    #[arg(long, value_name = "METRES", default_value_t = 1.0)]
+    height_scale: f64,
+    /// Metres at zero of the file
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, allow_hyphen_values = true)]
+    height_offset: f64,
+    /// Reads the colours of a PNG as Terrarium heights
+    #[arg(long)]
+    terrarium: bool,
+    /// Replaces the output when it is there
+    #[arg(long)]
+    overwrite: bool,
+}
+
+pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
+    let input = args.input.to_string_lossy();
+    let name = args.output.file_name().map(|n| n.to_string_lossy().into_owned());
+    let name = name.ok_or_else(|| Stop::usage(format!("{} is not a file name", args.output.display())))?;
+    let format = args.format.or_else(|| Format::of_name(&name));
+    let format = format.ok_or_else(|| Stop::usage(format!("`{name}` names no format; say --format")))?;
+    let range = args.range.as_deref().map(range).transpose()?;
+    let same =
+        |a: &Path, b: &Path| a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b);
+    if same(&args.input, &args.output) {
+        return Err(Stop::usage("the input is never overwritten; name another output"));
+    }
+    if args.output.symlink_metadata().is_ok() && !args.overwrite {
+        return Err(Stop::usage(format!("{} is there already; say --overwrite", args.output.display())));
+    }
+    let bytes = std::fs::read(&args.input)
+        .map_err(|e| Stop::new(Exit::Input, format!("cannot read {input}: {e}")))?;
+    let sidecar = std::fs::read(sidecar_name(&input)).ok();
+    let encoding = if args.terrarium { Encoding::Terrarium } else { Encoding::Auto };
+    let mut file = read_height_as(&input, &bytes, sidecar.as_deref(), &Limits::default(), encoding)
+        .map_err(|e| Stop::new(Exit::Input, e))?;
+    let (scale, offset) = (args.height_scale, args.height_offset);
+    if (scale, offset) != (1.0, 0.0) {
+        file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
+    }
+    cancel.check().map_err(|e| Stop::new(Exit::Cancelled, e))?;
+    let job = FileJob {
+        range,
+        clip: args.clip,
+        flip: args.flip,
+        cancel: Some(cancel),
+        ..FileJob::new(&file, format)
+    };
+    let folder = args.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let cannot = |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot open {}: {e}", folder.display()));
+    let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
+    let (_, written) =
+        write_atomic(&dir, &name, |out| encode_file(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
+    if let Some(sidecar) = &written.sidecar {
+        save(&folder.join(sidecar_name(&name)), format!("{sidecar:#}\n").as_bytes())?;
+    }
+    written.notes.iter().for_each(|n| eprintln!("note: {n}"));
+    Ok(Exit::Done)
+}
+
+fn range(text: &str) -> Result<[f64; 2], Stop> {
+    let parsed =
+        text.split_once(',').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    let upwards = parsed.filter(|[lo, hi]: &[f64; 2]| lo.is_finite() && hi.is_finite() && lo < hi);
+    upwards.ok_or_else(|| Stop::usage(format!("--range takes LOW,HIGH with LOW below HIGH, got `{text}`")))
+}

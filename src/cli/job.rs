@@ -1,0 +1,167 @@
+//! One output of a build: from a value on a tile to files and an entry of the report.
+
+use std::io::Write;
+
+use cap_std::fs::Dir;
+use serde_json::{Value as Json, json};
+use sha2::{Digest, Sha256};
+
+use super::exit::{Exit, Stop};
+use crate::files::{Format, Target, WriteJob, encode, sidecar_name, write_atomic};
+use crate::graph::{Graph, Output, Problem, Source};
+use crate::value::{Grid, Quantity, Terrain, Value};
+
+/// A part of the window that is built at once.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tile {
+    pub place: crate::files::Tile,
+    pub grid: Grid,
+}
+
+/// An output on its way to a file.
+#[derive(Debug)]
+pub(super) struct Job {
+    pub name: String,
+    pub source: Source,
+    output: Output,
+    target: Option<Target>,
+    format: Option<Format>,
+    range: Option<[f64; 2]>,
+    quantity: Quantity,
+}
+
+/// What was written.
+pub(super) struct Entry {
+    pub json: Json,
+    pub notes: Vec<String>,
+}
+
+/// The jobs of some outputs, and those whose source does not resolve.
+pub(super) fn jobs(
+    graph: &Graph,
+    names: &[String],
+    format: Option<Format>,
+) -> (Vec<Job>, Vec<(String, Problem)>) {
+    let (mut jobs, mut broken) = (Vec::new(), Vec::new());
+    for (name, output) in graph.outputs().filter(|(n, _)| names.iter().any(|m| m == n)) {
+        match graph.output_source(name) {
+            Ok(source) => jobs.push(Job {
+                name: name.to_owned(),
+                source,
+                target: output.target.as_deref().and_then(|t| t.parse().ok()),
+                format: format.or_else(|| output.format?.name().parse().ok()),
+                range: output.range,
+                output: output.clone(),
+                quantity: Quantity::Number,
+            }),
+            Err(problem) => broken.push((name.to_owned(), problem)),
+        }
+    }
+    (jobs, broken)
+}
+
+impl Job {
+    /// Chooses the format by what the output is, where nothing else chose it.
+    pub(super) fn settle(&mut self, value: &Value) {
+        self.quantity = value.quantity();
+        let by_target = self.target.filter(|_| value.quantity() == Quantity::Elevation).map(Target::format);
+        let by_quantity = match value.quantity() {
+            Quantity::Color => Format::Png8,
+            Quantity::Mask => Format::Png16,
+            _ => Format::Exr,
+        };
+        self.format = self.format.or(by_target).or(Some(by_quantity));
+    }
+
+    fn format(&self) -> Format {
+        self.format.unwrap_or(Format::Exr)
+    }
+
+    /// Whether integers are to be written and nobody said what they stand for.
+    pub(super) fn needs_range(&self) -> bool {
+        let own = matches!(
+            self.quantity,
+            Quantity::Mask | Quantity::Direction | Quantity::Slope | Quantity::Color | Quantity::Vector
+        );
+        self.format().is_integer() && self.range.is_none() && !own
+    }
+
+    /// Takes the range from the base grid, a tenth wider each way since finer grids reach a little further.
+    pub(super) fn take_range(&mut self, base: &Value) {
+        let Value::Field(field) = base else { return };
+        let (lo, hi) = field.range().map_or((0.0, 1.0), |(lo, hi)| (f64::from(lo), f64::from(hi)));
+        let margin = ((hi - lo) * 0.1).max(1.0);
+        let (lo, hi) = ((lo - margin).floor(), (hi + margin).ceil());
+        self.range = Some(self.target.map_or([lo, hi], |t| t.range([lo, hi])));
+    }
+
+    fn stem(&self, tile: &Tile, many: bool) -> String {
+        if many { format!("{}_x{}_y{}", self.name, tile.place.col, tile.place.row) } else { self.name.clone() }
+    }
+
+    fn file(&self, tile: &Tile, many: bool) -> String {
+        format!("{}.{}", self.stem(tile, many), self.format().extension())
+    }
+
+    /// The names of the files it will write for a tile.
+    pub(super) fn files(&self, tile: &Tile, many: bool) -> Vec<String> {
+        let file = self.file(tile, many);
+        vec![sidecar_name(&file), file]
+    }
+
+    /// Writes the value of a tile, whole or not at all.
+    pub(super) fn write(
+        &self,
+        value: &Value,
+        tile: &Tile,
+        many: bool,
+        terrain: &Terrain,
+        whole: &Grid,
+        folder: &Dir,
+    ) -> Result<Entry, Stop> {
+        let file = self.file(tile, many);
+        let job = WriteJob {
+            range: self.range,
+            clip: self.output.clip,
+            flip: self.output.flip,
+            target: self.target,
+            tile: many.then_some(tile.place),
+            ..WriteJob::new(value, self.format(), terrain, *whole)
+        };
+        let (stamp, written) =
+            write_atomic(folder, &file, |out| encode(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
+        let notes = written.notes;
+        if let Some(sidecar) = &written.sidecar {
+            let text = format!("{sidecar:#}\n");
+            write_atomic(folder, &sidecar_name(&file), |out| out.write_all(text.as_bytes()))
+                .map_err(|e: std::io::Error| Stop::new(Exit::Failed, format!("cannot write the sidecar of {file}: {e}")))?;
+        }
+        let range = match value {
+            Value::Field(f) => f.range(),
+            Value::Vectors(_) | Value::Colors(_) => None,
+        };
+        let json = json!({
+            "name": self.name, "path": file, "format": self.format().name(), "bytes": stamp.bytes,
+            "sha256": stamp.sha256, "samples_sha256": samples_sha256(value),
+            "cols": value.grid().cols, "rows": value.grid().rows, "cell": value.grid().cell(),
+            "quantity": value.quantity().name(), "unit": value.quantity().unit(),
+            "min": range.map(|r| r.0), "max": range.map(|r| r.1),
+            "range": written.range, "clipped": written.clipped, "notes": notes,
+            "tile": many.then(|| json!(tile.place)),
+        });
+        Ok(Entry { json, notes })
+    }
+}
+
+/// SHA-256 of the samples as little-endian `f32`, row by row: the same on every machine and in every format.
+fn samples_sha256(value: &Value) -> String {
+    let mut hasher = Sha256::new();
+    for chunk in value.components().chunks(1 << 14) {
+        if cfg!(target_endian = "little") {
+            hasher.update(bytemuck::cast_slice::<f32, u8>(chunk));
+        } else {
+            chunk.iter().for_each(|x| hasher.update(x.to_le_bytes()));
+        }
+    }
+    hasher.finalize().iter().map(|b| format!("{b:02x}")).collect()
+}

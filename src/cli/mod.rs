@@ -1,0 +1,114 @@
+//! The command line: one file a command. Results go to files and standard output, everything else to standard error.
+
+mod args;
+mod build;
+mod check;
+mod convert;
+mod exit;
+mod folder;
+mod info;
+mod job;
+mod nodes;
+mod open;
+mod plan;
+mod progress;
+mod render;
+mod report;
+mod tiles;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+pub use exit::Exit;
+
+use crate::node::Cancel;
+use crate::nodes::Registry;
+
+/// A node-graph terrain tool: evaluates .graph files to height fields, pictures and reports.
+#[derive(Debug, Parser)]
+#[command(name = "orograph", version, arg_required_else_help = true, max_term_width = 110)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Evaluates the graph's outputs and writes them
+    Build(build::Args),
+    /// Validates a graph; prints every error and warning
+    Check(check::Args),
+    /// Prints title, terrain, exposed parameters and outputs of a graph, or what a height file holds
+    Info(info::Args),
+    /// Prints what a build would run: node, grid, effective resolution, memory, time, cached or not
+    Plan(plan::Args),
+    /// Prints the node reference
+    Nodes(nodes::Args),
+    /// Prints the JSON schema of .graph files, for editors that validate
+    Schema,
+    /// Writes graphs in canonical form
+    Fmt(check::FmtArgs),
+    /// Converts a height file to another format
+    Convert(convert::Args),
+    /// Draws a shaded picture of a graph's output or of a height file
+    Render(render::Args),
+    /// Prints a completion script for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Runs the program with the arguments of the process.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) => {
+            // Help and version go to standard output and are no error.
+            let code = if e.use_stderr() { Exit::Usage } else { Exit::Done };
+            let _ = e.print();
+            return code.into();
+        }
+    };
+    let cancel = Cancel::default();
+    let on_signal = cancel.clone();
+    let second = std::sync::atomic::AtomicBool::new(false);
+    // Without a handler the process just ends at Ctrl+C, which loses nothing: files are whole or not there.
+    let _ = ctrlc::set_handler(move || {
+        on_signal.cancel();
+        if second.swap(true, std::sync::atomic::Ordering::SeqCst) {
+            std::process::exit(Exit::Cancelled.code());
+        }
+    });
+    match run(cli, &cancel) {
+        Ok(exit) => exit.into(),
+        Err(stop) => {
+            eprintln!("error: {}", stop.message);
+            stop.exit.into()
+        }
+    }
+}
+
+fn run(cli: Cli, cancel: &Cancel) -> Result<Exit, exit::Stop> {
+    let registry = Registry::standard();
+    match cli.command {
+        Command::Build(args) => build::run(args, &registry, cancel),
+        Command::Check(args) => check::run(&args, &registry),
+        Command::Info(args) => info::run(&args, &registry),
+        Command::Plan(args) => plan::run(&args, &registry),
+        Command::Nodes(args) => nodes::run(&args, &registry),
+        Command::Schema => {
+            let schema = crate::graph::schema(&registry);
+            exit::print(&format!("{schema:#}\n"))
+        }
+        Command::Fmt(args) => check::fmt(&args, &registry),
+        Command::Convert(args) => convert::run(&args, cancel),
+        Command::Render(args) => render::run(args, &registry, cancel),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "orograph", &mut script);
+            exit::print(&String::from_utf8_lossy(&script))
+        }
+    }
+}

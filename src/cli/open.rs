@@ -1,0 +1,110 @@
+//! Opening a graph with what the command line changes in it.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value as Json;
+
+use super::args::GraphArgs;
+use super::exit::{Exit, Stop};
+use crate::engine::Files;
+use crate::graph::{Graph, LoadError, Problem};
+use crate::node::FileRequest;
+use crate::nodes::Registry;
+
+/// A graph ready to evaluate, and the files it may read.
+pub(super) struct Opened {
+    pub graph: Graph,
+    pub files: Files,
+    pub problems: Vec<Problem>,
+    /// What was set, as the report shows it.
+    pub variables: serde_json::Map<String, Json>,
+}
+
+/// Reads the file alone.
+pub(super) fn load(path: &Path, registry: &Registry) -> Result<Graph, Stop> {
+    Graph::open(path, registry).map_err(|e| {
+        let exit = if matches!(e, LoadError::Io(_)) { Exit::Input } else { Exit::Graph };
+        Stop::new(exit, e)
+    })
+}
+
+/// Reads the graph and applies `--set`, `--vars`, `--seed` and `--base`.
+pub(super) fn open(args: &GraphArgs, registry: &Registry) -> Result<Opened, Stop> {
+    let mut graph = load(&args.graph, registry)?;
+    let mut files = Files::default();
+    let folder = args.graph.parent().unwrap_or(Path::new("."));
+    files
+        .allow_folder(folder)
+        .map_err(|e| Stop::new(Exit::Input, format!("cannot open the graph's folder: {e}")))?;
+    for folder in args.allow.iter().cloned().chain(kept_folders()) {
+        let opened = files.allow_folder(&folder);
+        opened.map_err(|e| Stop::usage(format!("cannot open the folder {}: {e}", folder.display())))?;
+    }
+    let mut variables = serde_json::Map::new();
+    if let Some(path) = &args.vars {
+        for (name, value) in variables_of(path)? {
+            let set = match value.as_str() {
+                Some(text) => assign(&mut graph, &mut files, &name, text),
+                None => graph.assign_json(&name, &value),
+            };
+            set.map_err(|e| Stop::usage(format!("--vars: {e}")))?;
+            variables.insert(name, value);
+        }
+    }
+    for pair in &args.set {
+        let (name, value) = pair
+            .split_once('=')
+            .ok_or_else(|| Stop::usage(format!("--set takes NAME=VALUE, got `{pair}`")))?;
+        assign(&mut graph, &mut files, name, value).map_err(|e| Stop::usage(format!("--set {name}: {e}")))?;
+        variables.insert(name.to_owned(), Json::from(value));
+    }
+    let settings = [("seed", args.seed), ("base", args.base)];
+    for (name, value) in settings.into_iter().filter_map(|(n, v)| Some((n, v?))) {
+        graph
+            .assign(&format!("terrain.{name}"), &value.to_string())
+            .map_err(|e| Stop::usage(format!("--{name}: {e}")))?;
+    }
+    let problems = graph.problems();
+    Ok(Opened { graph, files, problems, variables })
+}
+
+fn variables_of(path: &Path) -> Result<serde_json::Map<String, Json>, Stop> {
+    let unreadable =
+        |e: &dyn std::fmt::Display| Stop::new(Exit::Input, format!("--vars: {e}: {}", path.display()));
+    let text = std::fs::read(path).map_err(|e| unreadable(&e))?;
+    match serde_json::from_slice(&text).map_err(|e| unreadable(&e))? {
+        Json::Object(map) => Ok(map),
+        _ => Err(unreadable(&"must hold a JSON object of names and values")),
+    }
+}
+
+/// Sets a parameter from the command line. A file named there is the user's own word: it is taken relative to where
+/// the user stands, and may lie anywhere.
+fn assign(graph: &mut Graph, files: &mut Files, name: &str, text: &str) -> Result<(), Problem> {
+    graph.assign(name, text)?;
+    if requests(graph).any(|r| r.name == text)
+        && let Ok(path) = Path::new(text).canonicalize()
+    {
+        graph.assign(name, &path.to_string_lossy())?;
+        let beside = |r: &FileRequest| Path::new(&r.name).parent() == path.parent();
+        requests(graph).filter(beside).for_each(|r| files.allow_file(Path::new(&r.name)));
+    }
+    Ok(())
+}
+
+/// The files that the nodes of a graph ask for.
+fn requests(graph: &Graph) -> impl Iterator<Item = FileRequest> {
+    graph.nodes().filter_map(|id| graph.node(id).parse().ok()).flat_map(|node| node.files())
+}
+
+/// The folders that this user keeps as allowed, one a line, in the user's own settings.
+fn kept_folders() -> Vec<PathBuf> {
+    let home = std::env::var_os("XDG_CONFIG_HOME")
+        .map(PathBuf::from)
+        .or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".config")));
+    let Some(file) = home.map(|h| h.join("orograph").join("allowed_folders")) else { return Vec::new() };
+    let text = std::fs::read_to_string(file).unwrap_or_default();
+    let lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
+    // A folder that is gone, or a drive that is not mounted, must not stop every build.
+    lines.map(PathBuf::from).filter(|p| p.is_dir()).collect()
+}

@@ -1,0 +1,174 @@
+//! Results by key: in memory up to a number of bytes, and in a folder that many processes may share.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::disk::Disk;
+use super::key::Key;
+use crate::node::Summary;
+use crate::ports::Wires;
+use crate::value::Grid;
+
+/// What a task gives.
+#[derive(Clone, Debug)]
+pub(super) enum Given {
+    /// Values by output port.
+    Wires(Wires),
+    /// A statistic of the whole.
+    Summary(Summary),
+}
+
+impl Given {
+    pub(super) fn bytes(&self) -> u64 {
+        match self {
+            Self::Wires(wires) => wires.bytes(),
+            Self::Summary(summary) => size_of_val(&*summary.0) as u64,
+        }
+    }
+
+    pub(super) fn wires(&self) -> Option<&Wires> {
+        match self {
+            Self::Wires(wires) => Some(wires),
+            Self::Summary(_) => None,
+        }
+    }
+}
+
+/// A result that the store has already.
+#[derive(Clone, Debug)]
+pub(super) enum Found {
+    /// In memory.
+    Memory(Given),
+    /// In a file of the cache folder.
+    Disk(PathBuf),
+}
+
+impl Found {
+    pub(super) fn place(&self) -> &'static str {
+        match self {
+            Self::Memory(_) => "memory",
+            Self::Disk(_) => "disk",
+        }
+    }
+
+    pub(super) fn bytes(&self) -> Option<u64> {
+        match self {
+            Self::Memory(given) => Some(given.bytes()),
+            Self::Disk(_) => None,
+        }
+    }
+}
+
+/// Memory first, then the folder.
+#[derive(Debug)]
+pub(super) struct Store {
+    memory: Mutex<Memory>,
+    pub(super) disk: Option<Disk>,
+}
+
+#[derive(Debug, Default)]
+struct Memory {
+    entries: BTreeMap<Key, Vec<Entry>>,
+    bytes: u64,
+    limit: u64,
+    clock: u64,
+}
+
+#[derive(Debug)]
+struct Entry {
+    grid: Grid,
+    given: Given,
+    used: u64,
+}
+
+impl Store {
+    pub(super) fn new(limit: u64, disk: Option<Disk>) -> Self {
+        Self { memory: Mutex::new(Memory { limit, ..Memory::default() }), disk }
+    }
+
+    fn memory(&self) -> MutexGuard<'_, Memory> {
+        self.memory.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A result whose window holds the wanted one.
+    pub(super) fn find(&self, key: &Key, grid: &Grid) -> Option<Found> {
+        if let Some(given) = self.memory().get(key, grid) {
+            return Some(Found::Memory(given));
+        }
+        self.disk.as_ref()?.find(&key.window(grid)).map(Found::Disk)
+    }
+
+    /// Keeps a result; in memory as long as there is room.
+    pub(super) fn keep(&self, key: Key, grid: Grid, given: &Given) {
+        self.memory().put(key, grid, given.clone());
+    }
+
+    /// Sets how many bytes may be held in memory, and drops the least used beyond it.
+    pub(super) fn limit(&self, bytes: u64) {
+        let mut memory = self.memory();
+        memory.limit = bytes;
+        memory.shrink();
+    }
+
+    /// Bytes held in memory.
+    pub(super) fn bytes(&self) -> u64 {
+        self.memory().bytes
+    }
+}
+
+impl Memory {
+    fn get(&mut self, key: &Key, grid: &Grid) -> Option<Given> {
+        self.clock += 1;
+        let entry = self.entries.get_mut(key)?.iter_mut().find(|e| e.grid.contains(grid))?;
+        entry.used = self.clock;
+        Some(entry.given.clone())
+    }
+
+    fn put(&mut self, key: Key, grid: Grid, given: Given) {
+        let bytes = given.bytes();
+        if bytes > self.limit {
+            return;
+        }
+        self.clock += 1;
+        let entries = self.entries.entry(key).or_default();
+        // A window inside the new one is no longer of use.
+        let before = self.bytes;
+        entries.retain(|e| {
+            let kept = !grid.contains(&e.grid);
+            if !kept {
+                self.bytes -= e.given.bytes();
+            }
+            kept
+        });
+        debug_assert!(self.bytes <= before);
+        entries.push(Entry { grid, given, used: self.clock });
+        self.bytes += bytes;
+        self.shrink();
+    }
+
+    /// Drops the least recently used until the rest fits.
+    fn shrink(&mut self) {
+        if self.bytes <= self.limit {
+            return;
+        }
+        let mut by_age: Vec<_> = self
+            .entries
+            .iter()
+            .flat_map(|(k, es)| es.iter().map(|e| (e.used, *k, e.given.bytes())))
+            .collect();
+        by_age.sort_by_key(|(used, ..)| *used);
+        for (used, key, bytes) in by_age {
+            if self.bytes <= self.limit {
+                break;
+            }
+            if let Some(entries) = self.entries.get_mut(&key) {
+                entries.retain(|e| e.used != used);
+                if entries.is_empty() {
+                    self.entries.remove(&key);
+                }
+                self.bytes -= bytes;
+            }
+        }
+    }
+}

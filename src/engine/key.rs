@@ -1,0 +1,150 @@
+//! Keys: content hashes that name results (law 7).
+//!
+//! A node's key holds its kind and version, its parameters in canonical form, the keys of its inputs, the content
+//! of its files, and those settings of terrain and seed that its kind declares to read. The key of a result adds
+//! the grid. Names, places on the canvas and comments are in neither.
+
+use std::fmt;
+
+use serde_json::Value as Json;
+
+use crate::node::{AnyNode, Kind, Reach, Reads, SourceFile};
+use crate::value::{Grid, Lattice, Terrain};
+
+/// A content hash.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Key([u8; 32]);
+
+impl fmt::Display for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|b| write!(f, "{b:02x}"))
+    }
+}
+
+impl fmt::Debug for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
+/// Collects what a result depends on; every part is written with its length, so that parts cannot run together.
+struct Hasher(blake3::Hasher);
+
+impl Hasher {
+    fn new(what: &str) -> Self {
+        let mut hasher = Self(blake3::Hasher::new());
+        hasher.part(what.as_bytes());
+        hasher
+    }
+
+    fn part(&mut self, bytes: &[u8]) {
+        self.0.update(&(bytes.len() as u64).to_le_bytes());
+        self.0.update(bytes);
+    }
+
+    fn number(&mut self, value: f64) {
+        // −0 and 0 are one value and must be one key.
+        self.0.update(&(value + 0.0).to_bits().to_le_bytes());
+    }
+
+    fn integer(&mut self, value: i64) {
+        self.0.update(&value.to_le_bytes());
+    }
+
+    fn lattice(&mut self, lattice: &Lattice) {
+        self.number(lattice.origin[0]);
+        self.number(lattice.origin[1]);
+        self.number(lattice.span);
+        self.integer(i64::from(lattice.intervals));
+    }
+
+    fn finish(self) -> Key {
+        Key(*self.0.finalize().as_bytes())
+    }
+}
+
+/// What the key of a node is made of.
+pub(super) struct Parts<'a> {
+    pub kind: &'a Kind,
+    pub node: &'a dyn AnyNode,
+    pub terrain: &'a Terrain,
+    /// Port, key of the source node, port of the source.
+    pub inputs: &'a [(&'static str, Key, &'static str)],
+    pub files: &'a [std::sync::Arc<SourceFile>],
+}
+
+impl Parts<'_> {
+    /// The key of the node, whatever the grid.
+    pub(super) fn key(&self) -> Key {
+        let Parts { kind, node, terrain, inputs, files } = self;
+        let mut h = Hasher::new("node");
+        h.part(kind.id.as_bytes());
+        h.integer(i64::from(kind.meta.version));
+        h.part(self.parameters().to_string().as_bytes());
+        for (port, key, from) in *inputs {
+            h.part(port.as_bytes());
+            h.part(&key.0);
+            h.part(from.as_bytes());
+        }
+        for file in *files {
+            h.part(&file.hash);
+        }
+        let (reads, reach) = (kind.meta.reads, node.reach());
+        if reads.has(Reads::SEED) {
+            h.part(b"seed");
+            h.integer(i64::from(terrain.seed));
+        }
+        if reads.has(Reads::TERRAIN) {
+            h.part(b"terrain");
+            let b = terrain.bounds();
+            [b.min[0], b.min[1], b.max[0], b.max[1], terrain.sea_level].into_iter().for_each(|v| h.number(v));
+            if let Some(geo) = terrain.geo {
+                h.integer(i64::from(geo.epsg));
+                h.number(geo.east);
+                h.number(geo.north);
+            }
+        }
+        let whole = reach == Reach::Global || node.needs_summary();
+        if whole || reads.has(Reads::BASE) || reads.has(Reads::TERRAIN) {
+            h.part(b"base");
+            h.integer(i64::from(terrain.base));
+        }
+        // The apron, where a local window ends, and the base grid hang on the rectangle of the terrain.
+        if whole || reach != Reach::Point || reads.has(Reads::BASE) {
+            h.part(b"bounds");
+            let b = terrain.bounds();
+            [b.min[0], b.min[1], b.max[0], b.max[1]].into_iter().for_each(|v| h.number(v));
+        }
+        h.finish()
+    }
+
+    /// The parameters in canonical form; a file counts by its content, not by its name.
+    fn parameters(&self) -> Json {
+        let mut json = self.node.canonical();
+        if let Some(object) = json.as_object_mut() {
+            let files = self.kind.params().iter().filter(|p| p.widget.as_deref() == Some("file"));
+            files.for_each(|p| {
+                object.remove(&p.name);
+            });
+        }
+        json
+    }
+}
+
+impl Key {
+    /// The key of what a node gives on any window of a lattice; windows of one key may be cut from each other.
+    pub(super) fn on(&self, stage: &str, lattice: &Lattice) -> Self {
+        let mut h = Hasher::new(stage);
+        h.part(&self.0);
+        h.lattice(lattice);
+        h.finish()
+    }
+
+    /// The key of a result on one window, for the disk.
+    pub(super) fn window(&self, grid: &Grid) -> Self {
+        let mut h = Hasher::new("window");
+        h.part(&self.0);
+        [grid.col, grid.row, grid.cols as i64, grid.rows as i64].into_iter().for_each(|v| h.integer(v));
+        h.finish()
+    }
+}

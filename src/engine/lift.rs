@@ -1,0 +1,166 @@
+//! Carrying results of the base grid to other grids (law 3).
+
+use crate::kit::spline::{Spline, Tap};
+use crate::node::{Context, Error, Result};
+use crate::value::{Field, Grid, Quantity, Raster, Sample, Value};
+
+/// A base-grid result on another grid: a cubic B-spline through the base samples, exact where the two grids share a
+/// point; masks stay between 0 and 1, directions turn as vectors, labels come from the nearest sample. Beyond the
+/// base grid its border value continues.
+pub(super) fn lift(cx: &Context<'_>, base: &Value) -> Result<Value> {
+    Ok(match base {
+        Value::Field(f) => Value::Field(lift_field(cx, f)?),
+        Value::Vectors(v) => Value::Vectors(lift_channels(cx, v, |x| x)?),
+        Value::Colors(c) => Value::Colors(lift_channels(cx, c, |x| x.clamp(0.0, 1.0))?),
+    })
+}
+
+/// A change made on the base grid, applied to the field as it is on another grid: `fine + up(after − before)`.
+/// Where no base sample around a point changed, the fine field stays, bit for bit.
+pub(super) fn carry(cx: &Context<'_>, fine: &Value, before: &Value, after: &Value) -> Result<Value> {
+    let (Value::Field(fine), Value::Field(before), Value::Field(after)) = (fine, before, after) else {
+        return Err(Error::Output { port: "", message: "only fields carry a change to finer grids".into() });
+    };
+    let base = after.grid();
+    if base.contains(&cx.grid) {
+        return Ok(Value::Field(after.crop(&cx.grid)));
+    }
+    let before = before.crop(base);
+    let change: Vec<f32> = after.data().iter().zip(before.data()).map(|(a, b)| a - b).collect();
+    let spline = Spline::fit(base.cols, base.rows, &change);
+    let at = Positions::new(&cx.grid, base);
+    let taps = spline.taps(at.cols.iter().copied());
+    let fine = fine.crop(&cx.grid);
+    let quantity = after.quantity();
+    let out = cx.fill(quantity, |row, out: &mut [f32]| {
+        let v = at.rows[row.j];
+        spline.row(v, &taps, out);
+        let changed = ChangedRows::around(&change, base, v);
+        for ((o, f), tap) in out.iter_mut().zip(fine.row(row.j)).zip(&taps) {
+            *o = if changed.near(tap) { bounded(f + *o, quantity) } else { *f };
+        }
+    })?;
+    Ok(Value::Field(out))
+}
+
+/// The base rows whose change a position feels.
+struct ChangedRows<'a> {
+    rows: Vec<&'a [f32]>,
+}
+
+impl<'a> ChangedRows<'a> {
+    fn around(change: &'a [f32], base: &Grid, v: f64) -> Self {
+        let first = Tap::at(v, base.rows).first;
+        let rows = (first.saturating_sub(1)..(first + 3).min(base.rows))
+            .map(|r| &change[r * base.cols..][..base.cols]);
+        Self { rows: rows.collect() }
+    }
+
+    /// Whether any of the samples next to a tap changed.
+    fn near(&self, tap: &Tap) -> bool {
+        let touches = |row: &&[f32]| {
+            row[tap.first.saturating_sub(1)..(tap.first + 3).min(row.len())].iter().any(|&c| c != 0.0)
+        };
+        self.rows.iter().any(touches)
+    }
+}
+
+/// Where the samples of a grid stand in steps of the base grid.
+struct Positions {
+    cols: Vec<f64>,
+    rows: Vec<f64>,
+}
+
+impl Positions {
+    fn new(grid: &Grid, base: &Grid) -> Self {
+        // Formed as `index · base intervals / intervals`, so that a shared point is a whole number exactly.
+        let scale = |i: i64| i as f64 * f64::from(base.lattice.intervals) / f64::from(grid.lattice.intervals);
+        let cols = (grid.col..grid.col_end()).map(|c| scale(c) - base.col as f64).collect();
+        let rows = (grid.row..grid.row_end()).map(|r| scale(r) - base.row as f64).collect();
+        Self { cols, rows }
+    }
+}
+
+fn lift_field(cx: &Context<'_>, base: &Field) -> Result<Field> {
+    match base.quantity() {
+        _ if base.grid().contains(&cx.grid) => Ok(base.crop(&cx.grid)),
+        Quantity::Label => nearest(cx, base),
+        Quantity::Direction => lift_direction(cx, base),
+        quantity => lift_channels(cx, base, |x| bounded(x, quantity)),
+    }
+}
+
+fn bounded(x: f32, quantity: Quantity) -> f32 {
+    if quantity == Quantity::Mask { x.clamp(0.0, 1.0) } else { x }
+}
+
+fn lift_channels<T: Sample>(
+    cx: &Context<'_>,
+    base: &Raster<T>,
+    finish: impl Fn(f32) -> f32 + Sync,
+) -> Result<Raster<T>> {
+    let grid = base.grid();
+    if grid.contains(&cx.grid) {
+        return Ok(base.crop(&cx.grid));
+    }
+    let all: &[f32] = bytemuck::cast_slice(base.data());
+    let channel = |k: usize| -> Vec<f32> { all.iter().skip(k).step_by(T::CHANNELS).copied().collect() };
+    let splines: Vec<_> = (0..T::CHANNELS).map(|k| Spline::fit(grid.cols, grid.rows, &channel(k))).collect();
+    let at = Positions::new(&cx.grid, grid);
+    let taps = splines[0].taps(at.cols.iter().copied());
+    cx.fill(base.quantity(), |row, out: &mut [T]| {
+        let v = at.rows[row.j];
+        let mut line = vec![0.0; out.len()];
+        for (k, spline) in splines.iter().enumerate() {
+            spline.row(v, &taps, &mut line);
+            let out: &mut [f32] = bytemuck::cast_slice_mut(out);
+            for (o, &x) in out.iter_mut().skip(k).step_by(T::CHANNELS).zip(&line) {
+                *o = finish(x);
+            }
+        }
+        keep_shared_points(base, &at, row.j, out);
+    })
+}
+
+/// Puts the base samples themselves where the two grids share a point, free of the rounding of the weights.
+fn keep_shared_points<T: Sample>(base: &Raster<T>, at: &Positions, j: usize, out: &mut [T]) {
+    let grid = base.grid();
+    let whole = |p: f64, n: usize| (p.fract() == 0.0 && p >= 0.0 && p < n as f64).then_some(p as usize);
+    let Some(r) = whole(at.rows[j], grid.rows) else { return };
+    for (o, &u) in out.iter_mut().zip(&at.cols) {
+        if let Some(c) = whole(u, grid.cols) {
+            *o = base.row(r)[c];
+        }
+    }
+}
+
+fn nearest(cx: &Context<'_>, base: &Field) -> Result<Field> {
+    let (grid, at) = (base.grid(), Positions::new(&cx.grid, base.grid()));
+    let index = |p: f64| (p + 0.5).floor() as i64;
+    cx.fill(Quantity::Label, |row, out| {
+        let r = grid.row + index(at.rows[row.j]);
+        for (o, &u) in out.iter_mut().zip(&at.cols) {
+            *o = base.at(grid.col + index(u), r);
+        }
+    })
+}
+
+fn lift_direction(cx: &Context<'_>, base: &Field) -> Result<Field> {
+    let turn = |&d: &f32| {
+        let (s, c) = libm::sincosf(d * (std::f32::consts::PI / 180.0));
+        [s, c]
+    };
+    let vectors = Raster::new(*base.grid(), Quantity::Vector, base.data().iter().map(turn).collect());
+    let lifted = lift_channels(cx, &vectors, |x| x)?;
+    let mut out = cx.map(&lifted, Quantity::Direction, |[s, c]: [f32; 2]| {
+        let d = libm::atan2f(s, c) * (180.0 / std::f32::consts::PI);
+        if d < 0.0 { d + 360.0 } else { d }
+    })?;
+    let at = Positions::new(&cx.grid, base.grid());
+    let mut data = out.data().to_vec();
+    for (j, row) in data.chunks_mut(cx.grid.cols).enumerate() {
+        keep_shared_points(base, &at, j, row);
+    }
+    out = Raster::new(cx.grid, Quantity::Direction, data);
+    Ok(out)
+}

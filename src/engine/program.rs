@@ -1,0 +1,179 @@
+//! A graph made ready to evaluate: what stands upstream of the wanted nodes, parsed, in topological order, with keys.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::error::{Failure, SharedFailure};
+use super::files::Files;
+use super::key::{Key, Parts};
+use crate::graph::{Graph, NodeId, Place, Problem};
+use crate::node::{AnyNode, Error, Kind, Reach, SourceFile};
+use crate::value::Terrain;
+
+/// The parsed part of a graph that some wanted nodes need.
+#[derive(Debug)]
+pub(super) struct Program {
+    pub terrain: Terrain,
+    /// In topological order; a step that failed stands for all that need it.
+    pub steps: Vec<Result<Step, SharedFailure>>,
+    index: BTreeMap<NodeId, usize>,
+}
+
+/// A node ready to run.
+#[derive(Debug)]
+pub(super) struct Step {
+    pub name: String,
+    pub kind: &'static Kind,
+    pub node: Arc<dyn AnyNode>,
+    pub reach: Reach,
+    pub inputs: Vec<Input>,
+    pub files: Vec<Arc<SourceFile>>,
+    pub key: Key,
+}
+
+/// A connected input that matters to the result.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Input {
+    pub port: &'static str,
+    pub step: usize,
+    pub from: &'static str,
+}
+
+impl Step {
+    pub(super) fn input(&self, port: &str) -> Option<Input> {
+        self.inputs.iter().copied().find(|i| i.port == port)
+    }
+}
+
+impl Program {
+    pub(super) fn new(graph: &Graph, wanted: &[NodeId], files: &Files) -> Self {
+        let mut program =
+            Self { terrain: graph.terrain().clone(), steps: Vec::new(), index: BTreeMap::new() };
+        let (order, cyclic) = upstream(graph, wanted);
+        for id in order {
+            let step = if cyclic.contains(&id) {
+                let message = format!("node `{}` is part of a cycle", graph.node(id).name);
+                Err(Arc::new(Failure::Graph(message)))
+            } else {
+                program.step(graph, id, files)
+            };
+            program.index.insert(id, program.steps.len());
+            program.steps.push(step);
+        }
+        program
+    }
+
+    pub(super) fn find(&self, id: NodeId) -> Option<usize> {
+        self.index.get(&id).copied()
+    }
+
+    fn step(&self, graph: &Graph, id: NodeId, files: &Files) -> Result<Step, SharedFailure> {
+        let graph_node = graph.node(id);
+        let name = graph_node.name.clone();
+        let wrong = |error: Error| Arc::new(Failure::Document { node: name.clone(), error });
+        let node = graph_node.parse().map_err(wrong)?;
+        let kind = graph_node
+            .kind()
+            .ok_or_else(|| Arc::new(Failure::Graph(format!("node `{name}` is of an unknown kind"))))?;
+        let inputs = self.inputs(graph, id, kind, &*node).map_err(|e| match e {
+            InputFault::Here(error) => wrong(error),
+            InputFault::Upstream(shared) => shared,
+        })?;
+        let files = files.read(&node.files()).map_err(wrong)?;
+        let keyed: Vec<_> = inputs.iter().map(|i| (i.port, self.key(i.step), i.from)).collect();
+        let key = Parts { kind, node: &*node, terrain: &self.terrain, inputs: &keyed, files: &files }.key();
+        let reach = node.reach();
+        Ok(Step { name, kind, node, reach, inputs, files, key })
+    }
+
+    fn key(&self, step: usize) -> Key {
+        match &self.steps[step] {
+            Ok(step) => step.key,
+            Err(_) => unreachable!("inputs of a step are steps that did not fail"),
+        }
+    }
+
+    fn inputs(
+        &self,
+        graph: &Graph,
+        id: NodeId,
+        kind: &Kind,
+        node: &dyn AnyNode,
+    ) -> Result<Vec<Input>, InputFault> {
+        let mut inputs = Vec::new();
+        for port in kind.inputs().filter(|p| node.uses(p.name)) {
+            let Some(source) = graph.source(id, port.name) else {
+                if graph.node(id).unresolved().any(|(p, _)| p == port.name) {
+                    return Err(InputFault::Upstream(Arc::new(Failure::Graph(loose_wire(
+                        graph, id, port.name,
+                    )))));
+                }
+                if port.required {
+                    return Err(InputFault::Here(Error::Missing { port: port.name }));
+                }
+                continue;
+            };
+            let step = self.index.get(&source.node).copied();
+            let step = step.ok_or(InputFault::Here(Error::Missing { port: port.name }))?;
+            match &self.steps[step] {
+                Ok(_) => inputs.push(Input { port: port.name, step, from: source.port }),
+                Err(shared) => return Err(InputFault::Upstream(shared.clone())),
+            }
+        }
+        Ok(inputs)
+    }
+}
+
+/// What the document says of a wire that does not resolve.
+fn loose_wire(graph: &Graph, id: NodeId, port: &str) -> String {
+    let here = |p: &Problem| {
+        p.blames() == Some(id) && matches!(&p.place, Place::Input { port: name, .. } if name == port)
+    };
+    let problem = graph.problems().into_iter().find(here);
+    problem.map_or_else(
+        || format!("node `{}`, input `{port}`: leads nowhere", graph.node(id).name),
+        |p| p.to_string(),
+    )
+}
+
+enum InputFault {
+    Here(Error),
+    Upstream(SharedFailure),
+}
+
+/// The nodes upstream of some nodes, sources first, and those of them that stand on a cycle.
+fn upstream(graph: &Graph, wanted: &[NodeId]) -> (Vec<NodeId>, BTreeSet<NodeId>) {
+    let (mut order, mut cyclic) = (Vec::new(), BTreeSet::new());
+    let (mut entered, mut left) = (BTreeSet::new(), BTreeSet::new());
+    // An explicit stack: a chain of ten thousand nodes is a fair graph.
+    let mut stack: Vec<(NodeId, Vec<NodeId>)> = Vec::new();
+    for &root in wanted {
+        if entered.insert(root) {
+            stack.push((root, sources(graph, root)));
+        }
+        while let Some((id, pending)) = stack.last_mut() {
+            let id = *id;
+            match pending.pop() {
+                Some(next) if entered.insert(next) => stack.push((next, sources(graph, next))),
+                Some(next) if !left.contains(&next) => {
+                    let start = stack.iter().position(|(n, _)| *n == next).unwrap_or(0);
+                    cyclic.extend(stack[start..].iter().map(|(n, _)| *n));
+                }
+                Some(_) => (),
+                None => {
+                    left.insert(id);
+                    order.push(id);
+                    stack.pop();
+                }
+            }
+        }
+    }
+    (order, cyclic)
+}
+
+fn sources(graph: &Graph, id: NodeId) -> Vec<NodeId> {
+    let Some(kind) = graph.node(id).kind() else { return Vec::new() };
+    let mut nodes: Vec<_> = kind.inputs().filter_map(|p| Some(graph.source(id, p.name)?.node)).collect();
+    nodes.reverse();
+    nodes
+}

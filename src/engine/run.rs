@@ -1,0 +1,396 @@
+//! Runs the tasks of a plan: independent ones side by side, within the budget of memory.
+//!
+//! Tasks start in order. The first that is not done may always run: the estimate of the peak is that of running in
+//! order. Others start ahead of it only while what they add fits beside that peak, so the account never goes over
+//! the budget and never comes to a standstill.
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use super::cache::{Found, Given, Store};
+use super::error::{Failure, SharedFailure};
+use super::plan::{Plan, Role, Stage, Task};
+use super::{lift, mix};
+use crate::node::{AnyNode, Cancel, Context, Error, Result};
+use crate::ports::{MASK, Wires};
+use crate::value::{Grid, Value};
+
+/// What happens while an evaluation runs; called from several threads.
+pub trait Observer: Sync {
+    /// The plan is made and admitted; tasks are numbered by their place in it.
+    fn planned(&self, plan: &Plan) {
+        let _ = plan;
+    }
+    /// A task starts.
+    fn started(&self, task: usize) {
+        let _ = task;
+    }
+    /// The finished share of a task, 0 to 1.
+    fn progress(&self, task: usize, share: f32) {
+        let _ = (task, share);
+    }
+    /// A task is done or has failed.
+    fn finished(&self, task: usize, seconds: f64) {
+        let _ = (task, seconds);
+    }
+}
+
+/// Nobody looks.
+#[derive(Clone, Copy, Debug)]
+pub struct Unobserved;
+
+impl Observer for Unobserved {}
+
+/// What a task did.
+#[derive(Clone, Debug)]
+pub struct TaskReport {
+    /// Name of the node.
+    pub node: String,
+    /// Its kind.
+    pub kind: &'static str,
+    /// What the task did.
+    pub stage: Stage,
+    /// The grid it ran on.
+    pub grid: Grid,
+    /// Where the cache had the result: `memory`, `disk`, or not.
+    pub cached: Option<&'static str>,
+    /// Seconds it took.
+    pub seconds: f64,
+    /// Bytes of its outputs.
+    pub bytes: u64,
+    /// Whether it ended with a result.
+    pub done: bool,
+}
+
+/// The end of a task: what it gives, or what failed.
+type End = Result<Arc<Given>, SharedFailure>;
+
+/// What the tasks of a plan gave.
+pub(super) struct Ran {
+    pub wanted: Vec<Result<Arc<Given>, SharedFailure>>,
+    pub reports: Vec<TaskReport>,
+    /// A file of the cache turned out damaged; the plan counted on it.
+    pub damaged: bool,
+    /// Most bytes that were alive at once, by account.
+    pub peak_bytes: u64,
+}
+
+pub(super) struct Runner<'a> {
+    pub plan: &'a Plan,
+    pub store: &'a Store,
+    pub pool: &'a rayon::ThreadPool,
+    pub observer: &'a dyn Observer,
+    pub cancel: &'a Cancel,
+    /// Bytes that tasks may add ahead of the first that is not done.
+    pub slack: u64,
+    pub workers: usize,
+}
+
+struct State {
+    ends: Vec<Option<End>>,
+    started: Vec<bool>,
+    uses: Vec<usize>,
+    reports: BTreeMap<usize, TaskReport>,
+    /// Bytes that tasks beyond the first unfinished one hold.
+    ahead: BTreeMap<usize, u64>,
+    alive: u64,
+    peak: u64,
+    damaged: bool,
+}
+
+impl Runner<'_> {
+    pub(super) fn run(&self) -> Ran {
+        let n = self.plan.tasks.len();
+        let mut uses = vec![0; n];
+        for (_, need) in self.plan.tasks.iter().flat_map(|t| &t.needs) {
+            uses[*need] += 1;
+        }
+        for task in self.plan.wanted.iter().flatten() {
+            uses[*task] += 1;
+        }
+        let state = State {
+            ends: vec![None; n],
+            started: vec![false; n],
+            uses,
+            reports: BTreeMap::new(),
+            ahead: BTreeMap::new(),
+            alive: self.plan.held_bytes(),
+            peak: 0,
+            damaged: false,
+        };
+        let shared = (Mutex::new(state), Condvar::new());
+        std::thread::scope(|scope| {
+            for _ in 1..self.workers.max(1) {
+                scope.spawn(|| self.work(&shared));
+            }
+            self.work(&shared);
+        });
+        let state = shared.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let stopped = || Arc::new(Failure::Graph("cancelled".into()));
+        let end = |w: &Result<usize, SharedFailure>| match w {
+            Ok(task) => state.ends[*task].clone().unwrap_or_else(|| Err(stopped())),
+            Err(failure) => Err(failure.clone()),
+        };
+        let wanted = self.plan.wanted.iter().map(end).collect();
+        Ran {
+            wanted,
+            reports: state.reports.into_values().collect(),
+            damaged: state.damaged,
+            peak_bytes: state.peak,
+        }
+    }
+
+    /// Takes tasks until none is left.
+    fn work(&self, (state, wake): &(Mutex<State>, Condvar)) {
+        let lock = || state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut guard = lock();
+        loop {
+            if self.cancel.is_cancelled() || guard.damaged || guard.ends.iter().all(Option::is_some) {
+                wake.notify_all();
+                return;
+            }
+            let Some(i) = self.next(&guard) else {
+                guard = wait(wake, guard);
+                continue;
+            };
+            let task = &self.plan.tasks[i];
+            guard.started[i] = true;
+            let first = guard.ends.iter().position(Option::is_none).unwrap_or(i);
+            if i > first {
+                guard.ahead.insert(i, task.bytes());
+            }
+            guard.alive += task.bytes();
+            guard.peak = guard.peak.max(guard.alive);
+            let given: Vec<_> = task.needs.iter().map(|(_, t)| guard.ends[*t].clone()).collect();
+            drop(guard);
+            let (end, report, damaged) = self.execute(i, task, &given);
+            guard = lock();
+            guard.damaged |= damaged;
+            self.settle(&mut guard, i, task, end, report);
+            wake.notify_all();
+        }
+    }
+
+    /// The first task that is ready and may start.
+    fn next(&self, state: &State) -> Option<usize> {
+        let ready = |i: &usize| {
+            !state.started[*i] && self.plan.tasks[*i].needs.iter().all(|(_, t)| state.ends[*t].is_some())
+        };
+        let first = state.ends.iter().position(Option::is_none)?;
+        let ahead: u64 = state.ahead.range(first..).map(|(_, b)| b).sum();
+        let fits = |i: &usize| *i == first || ahead + self.plan.tasks[*i].bytes() <= self.slack;
+        (first..self.plan.tasks.len()).filter(ready).find(fits)
+    }
+
+    /// Enters the end of a task and lets go of what nobody needs any more.
+    fn settle(&self, state: &mut State, i: usize, task: &Task, end: End, report: TaskReport) {
+        state.alive = state.alive.saturating_sub(task.scratch_bytes());
+        let released = task.needs.iter().map(|(_, need)| *need).chain((state.uses[i] == 0).then_some(i));
+        let released: Vec<usize> = released.collect();
+        state.ends[i] = Some(end);
+        state.reports.insert(i, report);
+        for t in released {
+            state.uses[t] = state.uses[t].saturating_sub(1);
+            if state.uses[t] == 0 {
+                state.alive = state.alive.saturating_sub(self.plan.tasks[t].output_bytes);
+                // The end stays marked as done; the values go.
+                if let Some(Ok(given)) = &mut state.ends[t] {
+                    *given = Arc::new(Given::Wires(Wires::default()));
+                }
+            }
+        }
+        let first = state.ends.iter().position(Option::is_none).unwrap_or(usize::MAX);
+        state.ahead = state.ahead.split_off(&first);
+    }
+
+    fn execute(&self, i: usize, task: &Task, needs: &[Option<End>]) -> (End, TaskReport, bool) {
+        let step = self.plan.step(task);
+        let start = Instant::now();
+        self.observer.started(i);
+        let mut damaged = false;
+        let end = match inputs(needs) {
+            Err(failure) => Err(failure),
+            Ok(given) => match &task.found {
+                Some(Found::Memory(given)) => Ok(Arc::new(given.clone())),
+                Some(Found::Disk(path)) => {
+                    match self.store.disk.as_ref().and_then(|d| d.get(path, step.kind)) {
+                        Some(given) => {
+                            self.store.keep(task.key, task.grid, &given);
+                            Ok(Arc::new(given))
+                        }
+                        None => {
+                            damaged = true;
+                            Err(Arc::new(Failure::Graph("a file of the cache is damaged".into())))
+                        }
+                    }
+                }
+                None => self
+                    .compute(i, task, &given)
+                    .map_err(|error| Arc::new(Failure::Run { node: step.name.clone(), error })),
+            },
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        self.observer.finished(i, seconds);
+        let report = TaskReport {
+            node: step.name.clone(),
+            kind: step.kind.id,
+            stage: task.stage,
+            grid: task.grid,
+            cached: task.found.as_ref().map(Found::place),
+            seconds,
+            bytes: end.as_ref().map_or(0, |g| g.bytes()),
+            done: end.is_ok(),
+        };
+        (end, report, damaged)
+    }
+
+    fn compute(&self, i: usize, task: &Task, given: &[Arc<Given>]) -> Result<Arc<Given>> {
+        self.cancel.check()?;
+        let step = self.plan.step(task);
+        let needs: Vec<_> = task.needs.iter().map(|(role, _)| *role).zip(given).collect();
+        let summary = needs.iter().find_map(|(role, g)| match (role, &***g) {
+            (Role::Summary, Given::Summary(s)) => Some(s),
+            _ => None,
+        });
+        // Progress arrives from many threads; only steps of a hundredth go on.
+        let last = AtomicU64::new(0);
+        let progress = |share: f32| {
+            let now = (f64::from(share) * 100.0) as u64;
+            if last.fetch_max(now, Ordering::Relaxed) < now {
+                self.observer.progress(i, share);
+            }
+        };
+        let cx = Context {
+            grid: task.grid,
+            reads: step.kind.meta.reads,
+            world: &self.plan.program.terrain,
+            whole: summary,
+            files: &step.files,
+            cancel: self.cancel,
+            progress: &progress,
+            share: (0.0, 1.0),
+        };
+        let work = || self.pool.install(|| stage(&cx, task, &*step.node, step.kind, &needs));
+        let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)))?;
+        self.store.keep(task.key, task.grid, &given);
+        if let Some(disk) = &self.store.disk {
+            // A full disk costs the next process time, not this one its result.
+            let _ = disk.put(&task.key.window(&task.grid), &given);
+        }
+        Ok(Arc::new(given))
+    }
+}
+
+fn wait<'a>(wake: &Condvar, guard: MutexGuard<'a, State>) -> MutexGuard<'a, State> {
+    // Woken also now and then, so that a cancellation from outside is seen.
+    let pause = std::time::Duration::from_millis(50);
+    wake.wait_timeout(guard, pause).unwrap_or_else(PoisonError::into_inner).0
+}
+
+fn panicked(panic: &(dyn std::any::Any + Send)) -> Error {
+    let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
+    let message =
+        text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".into());
+    Error::Panic { message }
+}
+
+/// The results of all needs, or the first failure among them.
+fn inputs(needs: &[Option<End>]) -> Result<Vec<Arc<Given>>, SharedFailure> {
+    let missing = || Arc::new(Failure::Graph("an input was not computed".into()));
+    needs.iter().map(|n| n.clone().unwrap_or_else(|| Err(missing()))).collect()
+}
+
+type Needs<'a> = [(Role, &'a Arc<Given>)];
+
+fn stage(
+    cx: &Context<'_>,
+    task: &Task,
+    node: &dyn AnyNode,
+    kind: &'static crate::node::Kind,
+    needs: &Needs<'_>,
+) -> Result<Given> {
+    let mut own = Wires::default();
+    for (role, given) in needs {
+        if let (Role::Input { port, from }, Some(wires)) = (role, given.wires()) {
+            put(&mut own, port, wires.get(from))?;
+        }
+    }
+    let mut out = match task.stage {
+        Stage::Summary => return node.summarize(cx, own).map(Given::Summary),
+        Stage::Base | Stage::Run => node.run(cx, own)?,
+        Stage::Lift => lifted(cx, kind, needs)?,
+    };
+    check(&task.grid, kind, &out)?;
+    if task.stage != Stage::Base && !kind.meta.mixes.is_empty() {
+        let fine = fine_inputs(needs)?;
+        if let Some(Value::Field(mask)) = fine.get(MASK.name) {
+            mix::mix(cx, kind.meta.mixes, &fine, mask, &mut out)?;
+        }
+    }
+    Ok(Given::Wires(out))
+}
+
+fn put(wires: &mut Wires, port: &'static str, value: Option<&Value>) -> Result<()> {
+    let value = value.ok_or(Error::Missing { port })?;
+    wires.put(port, value.clone());
+    Ok(())
+}
+
+fn fine_inputs(needs: &Needs<'_>) -> Result<Wires> {
+    let mut fine = Wires::default();
+    for (role, given) in needs {
+        if let (Role::Fine { port, from }, Some(wires)) = (role, given.wires()) {
+            put(&mut fine, port, wires.get(from))?;
+        }
+    }
+    Ok(fine)
+}
+
+/// The outputs of a global node on the grid of its consumer.
+fn lifted(cx: &Context<'_>, kind: &crate::node::Kind, needs: &Needs<'_>) -> Result<Wires> {
+    let base = needs.iter().find_map(|(role, g)| if *role == Role::Base { g.wires() } else { None });
+    let base = base.ok_or(Error::Output { port: "", message: "was not computed on the base grid".into() })?;
+    let fine = fine_inputs(needs)?;
+    let mut out = Wires::default();
+    for (port, after) in base.iter() {
+        let carried = kind.meta.carries.iter().find(|(output, _)| *output == port).map(|(_, input)| *input);
+        let before = carried.and_then(|input| {
+            needs.iter().find_map(|(role, g)| match role {
+                Role::Before { port, from } if *port == input => g.wires()?.get(from),
+                _ => None,
+            })
+        });
+        let value = match (before, carried.and_then(|input| fine.get(input))) {
+            (Some(before), Some(fine)) => lift::carry(cx, fine, before, after)?,
+            _ => lift::lift(cx, after)?,
+        };
+        out.put(port, value);
+    }
+    Ok(out)
+}
+
+/// Law 8: every output is there, on its grid, of its type, and finite.
+fn check(grid: &Grid, kind: &'static crate::node::Kind, out: &Wires) -> Result<()> {
+    for port in kind.outputs {
+        let bad = |message: String| Err(Error::Output { port: port.name, message });
+        match out.get(port.name) {
+            None if port.required => return bad("is missing".into()),
+            None => (),
+            Some(value) if value.wire_type() != port.wire => {
+                return bad(format!("is {}, not {}", value.wire_type().name(), port.wire.name()));
+            }
+            Some(value) if value.grid() != grid => {
+                return bad(format!("stands on {:?}, not on {grid:?}", value.grid()));
+            }
+            Some(value) => {
+                if let Some((col, row)) = value.first_not_finite() {
+                    return Err(Error::NotFinite { port: port.name, col, row });
+                }
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,393 @@
+//! Edits of nodes, wires and outputs. Each checks first and changes then: a refused edit leaves the graph as it was.
+
+use std::collections::HashSet;
+
+use serde_json::{Map, Value as Json};
+
+use super::parts::{About, Backend, GraphNode, KindRef, Output, Part};
+use super::problem::{Hints, Place, Problem, listed};
+use super::validate::{node_name_fault, output_name_fault};
+use super::{Graph, MAX_NAMED, MAX_NODES, NodeId, Source};
+use crate::kit::hash;
+use crate::node::Kind;
+use crate::ports::Port;
+
+impl Graph {
+    /// Adds a node of a kind; a kind with a seed gets a fresh one.
+    ///
+    /// # Errors
+    /// When the name is taken or not a name, the kind is not known, or the graph is full.
+    pub fn add(&mut self, name: &str, kind: &str) -> Result<NodeId, Problem> {
+        let place = || Place::Node(name.to_owned());
+        let bad = |message: String| Err(Problem::error(place(), message));
+        self.free_node_name(name)?;
+        let Some(known) = self.registry.find(kind) else {
+            return bad(format!("there is no kind `{kind}`{}", self.registry.suggest(kind)));
+        };
+        if self.nodes().any(|id| matches!(&self.node(id).kind, KindRef::Unknown(k) if k == kind)) {
+            return bad(format!(
+                "the file has nodes of the kind `{kind}` in a version that is not known here"
+            ));
+        }
+        if self.sequence.len() >= MAX_NODES {
+            return bad(format!("would be one more than the limit of {MAX_NODES} nodes"));
+        }
+        let mut set = Map::new();
+        if known.param("seed").is_some() {
+            set.insert("seed".into(), self.fresh_seed(name).into());
+        }
+        self.versions.shift_remove(kind);
+        let node = GraphNode {
+            name: name.to_owned(),
+            kind: KindRef::Known(known),
+            set,
+            at: [0.0; 2],
+            backend: Backend::Auto,
+            extra: Map::new(),
+            loose: Map::new(),
+        };
+        let id = self.put_node(node);
+        self.settle();
+        Ok(id)
+    }
+
+    /// A name that no node has: the wanted one, or that with the next free number.
+    pub fn free_name(&self, wanted: &str) -> String {
+        let free = |name: &String| node_name_fault(name).is_none() && self.find(name).is_none();
+        let stem = wanted.get(..wanted.len().min(56)).unwrap_or("node");
+        let numbered = (2..=self.sequence.len() + 2).map(|n| format!("{stem}_{n}"));
+        std::iter::once(wanted.to_owned())
+            .chain(numbered)
+            .find(free)
+            .unwrap_or_else(|| self.free_name("node"))
+    }
+
+    /// Removes a node with its wires. Outputs that read it stay and are reported; it leaves the binds of exposed
+    /// parameters, and one that bound nothing else goes too.
+    ///
+    /// # Errors
+    /// When there is no such node.
+    pub fn remove(&mut self, id: NodeId) -> Result<GraphNode, Problem> {
+        self.live(id)?;
+        self.sequence.retain(|n| *n != id);
+        let gone = || Problem::error(Place::Graph, "has no such node");
+        let node = self.dag.remove_node(id).ok_or_else(gone)?;
+        self.names.remove(&node.name);
+        self.exposed.retain_mut(|(_, exposed)| {
+            let before = exposed.bind.len();
+            exposed.bind.retain(|bind| bind.split('.').next() != Some(&node.name));
+            !exposed.bind.is_empty() || before == 0
+        });
+        self.settle();
+        Ok(node)
+    }
+
+    /// Removes a node and joins what it changed to what read it, where its kind says which input becomes which output.
+    ///
+    /// # Errors
+    /// When there is no such node.
+    pub fn remove_bridged(&mut self, id: NodeId) -> Result<GraphNode, Problem> {
+        self.live(id)?;
+        let name = self.node(id).name.clone();
+        let readers: Vec<_> = self.consumers(id).collect();
+        for (output, source) in self.bridges(id) {
+            let (old, new) = (format!("{name}.{output}"), self.source_text(source));
+            for (_, reader) in self.outputs.iter_mut().filter(|(_, o)| o.from == old) {
+                reader.from.clone_from(&new);
+            }
+            for (reader, input, _) in readers.iter().filter(|(_, _, from)| *from == output) {
+                self.put_wire(source, *reader, input);
+            }
+        }
+        self.remove(id)
+    }
+
+    /// For each output of a node that is a changed input, what that input reads.
+    fn bridges(&self, id: NodeId) -> Vec<(&'static str, Source)> {
+        let mut found: Vec<(&'static str, Source)> = Vec::new();
+        let Some(kind) = self.node(id).kind() else { return found };
+        for &(output, input) in kind.meta.mixes.iter().chain(kind.meta.carries) {
+            let fits = |s: &Source| s.node != id && self.wire_type(*s) == kind.output(output).map(|p| p.wire);
+            let source = self.source(id, input).filter(fits);
+            if let Some(source) = source.filter(|_| found.iter().all(|(o, _)| *o != output)) {
+                found.push((output, source));
+            }
+        }
+        found
+    }
+
+    /// Renames a node, and all that names it: wires, outputs, exposed parameters.
+    ///
+    /// # Errors
+    /// When the name is taken or not a name.
+    pub fn rename(&mut self, id: NodeId, name: &str) -> Result<(), Problem> {
+        self.live(id)?;
+        if self.node(id).name == name {
+            return Ok(());
+        }
+        self.free_node_name(name)?;
+        let old = std::mem::replace(&mut self.dag[id].name, name.to_owned());
+        self.names.remove(&old);
+        self.names.insert(name.to_owned(), id);
+        let renamed = |text: &str, end: Option<usize>| {
+            let (node, rest) = text.split_at(end?);
+            (node == old).then(|| format!("{name}{rest}"))
+        };
+        for id in self.sequence.clone() {
+            for written in self.dag[id].loose.values_mut() {
+                let new = written.as_str().and_then(|text| renamed(text, text.rfind('.')));
+                if let Some(new) = new {
+                    *written = Json::from(new);
+                }
+            }
+        }
+        for (_, output) in &mut self.outputs {
+            if let Some(new) = renamed(&output.from, output.from.rfind('.')) {
+                output.from = new;
+            }
+        }
+        for bind in self.exposed.iter_mut().flat_map(|(_, e)| &mut e.bind) {
+            if let Some(new) = renamed(bind, bind.find('.')) {
+                *bind = new;
+            }
+        }
+        self.settle();
+        Ok(())
+    }
+
+    /// Puts a wire from an output of a node into an input of another, in place of the one that was there.
+    ///
+    /// # Errors
+    /// When a port is not there, the types differ, or a cycle would close; its nodes are named.
+    pub fn connect(&mut self, from: NodeId, output: &str, to: NodeId, input: &str) -> Result<(), Problem> {
+        let out_port = self.port(from, output, Side::Output)?;
+        let in_port = self.port(to, input, Side::Input)?;
+        let source = Source { node: from, port: out_port.name };
+        let (name, text) = (&self.node(to).name, self.source_text(source));
+        let bad = |message| {
+            Err(Problem::error(Place::Input { node: name.clone(), port: input.to_owned() }, message).of(to))
+        };
+        if out_port.wire != in_port.wire {
+            return bad(format!(
+                "takes {}, but `{text}` gives {}",
+                in_port.wire.name(),
+                out_port.wire.name()
+            ));
+        }
+        if from == to {
+            return bad(format!("cannot read `{text}`: a node cannot read itself"));
+        }
+        if let Some(way) = self.way(to, from) {
+            let path = self.path_text(&way, to);
+            return bad(format!("cannot read `{text}`: that would close a cycle, {path}"));
+        }
+        if self.source(to, input) == Some(source) {
+            return Ok(());
+        }
+        let node = &mut self.dag[to];
+        node.loose.shift_remove(input);
+        node.extra.shift_remove("in");
+        self.put_wire(source, to, in_port.name);
+        self.settle();
+        Ok(())
+    }
+
+    /// Takes the wire into an input away, also one that does not resolve. Nothing happens where there is none.
+    ///
+    /// # Errors
+    /// When the kind has no such input, and the file wrote none.
+    pub fn disconnect(&mut self, to: NodeId, input: &str) -> Result<(), Problem> {
+        self.live(to)?;
+        let was_loose = self.dag[to].loose.shift_remove(input).is_some();
+        if was_loose || self.cut_wire(to, input) {
+            self.settle();
+            return Ok(());
+        }
+        self.port(to, input, Side::Input).map(drop)
+    }
+
+    /// Moves a node on the canvas.
+    ///
+    /// # Errors
+    /// When a coordinate is not a number within ±1e9.
+    pub fn move_to(&mut self, id: NodeId, at: [f64; 2]) -> Result<(), Problem> {
+        self.live(id)?;
+        if at.iter().any(|v| !v.is_finite() || v.abs() > 1e9) {
+            let message = format!("must stand within 1e9 of the middle of the canvas, got {at:?}");
+            return Err(Problem::error(Place::Node(self.node(id).name.clone()), message));
+        }
+        // The file has no −0.
+        let at = at.map(|v| v + 0.0);
+        let node = &mut self.dag[id];
+        if node.extra.shift_remove("at").is_some() || node.at != at {
+            node.at = at;
+            self.touch();
+        }
+        Ok(())
+    }
+
+    /// Says where a node should run.
+    ///
+    /// # Errors
+    /// When there is no such node.
+    pub fn set_backend(&mut self, id: NodeId, backend: Backend) -> Result<(), Problem> {
+        self.live(id)?;
+        let node = &mut self.dag[id];
+        if node.extra.shift_remove("backend").is_some() || node.backend != backend {
+            node.backend = backend;
+            self.touch();
+        }
+        Ok(())
+    }
+
+    /// Changes what the graph says about itself.
+    pub fn set_about(&mut self, about: About) {
+        let known = |key: &str| About::keys().iter().any(|p| p.name == key);
+        let had_fault = self.extra.keys().any(|key| known(key));
+        if had_fault || self.about != about {
+            self.extra.retain(|key, _| !known(key));
+            self.about = about;
+            self.touch();
+        }
+    }
+
+    /// Adds an output.
+    ///
+    /// # Errors
+    /// When the name is taken or not a name, what it reads is not there, or a setting does not fit.
+    pub fn add_output(&mut self, name: &str, output: Output) -> Result<(), Problem> {
+        self.free_output_name(name, None)?;
+        if self.outputs.len() >= MAX_NAMED {
+            let message = format!("would be one more than the limit of {MAX_NAMED}");
+            return Err(Problem::error(Place::Output(name.to_owned()), message));
+        }
+        self.outputs.push((name.to_owned(), self.checked_output(name, output)?));
+        self.touch();
+        Ok(())
+    }
+
+    /// Changes an output.
+    ///
+    /// # Errors
+    /// When there is none of the name, what it reads is not there, or a setting does not fit.
+    pub fn change_output(&mut self, name: &str, output: Output) -> Result<(), Problem> {
+        let i = self.output_index(name)?;
+        let output = self.checked_output(name, output)?;
+        if self.outputs[i].1 != output {
+            self.outputs[i].1 = output;
+            self.touch();
+        }
+        Ok(())
+    }
+
+    /// Renames an output.
+    ///
+    /// # Errors
+    /// When there is none of the name, or the new one is taken or not a name.
+    pub fn rename_output(&mut self, name: &str, new: &str) -> Result<(), Problem> {
+        let i = self.output_index(name)?;
+        if name != new {
+            self.free_output_name(new, Some(i))?;
+            self.outputs[i].0 = new.to_owned();
+            self.touch();
+        }
+        Ok(())
+    }
+
+    /// Removes an output.
+    ///
+    /// # Errors
+    /// When there is none of the name.
+    pub fn remove_output(&mut self, name: &str) -> Result<Output, Problem> {
+        let i = self.output_index(name)?;
+        self.touch();
+        Ok(self.outputs.remove(i).1)
+    }
+
+    /// Adds a node to the graph and its name to the index.
+    pub(super) fn put_node(&mut self, node: GraphNode) -> NodeId {
+        let name = node.name.clone();
+        let id = self.dag.add_node(node);
+        self.sequence.push(id);
+        self.names.insert(name, id);
+        id
+    }
+
+    fn free_node_name(&self, name: &str) -> Result<(), Problem> {
+        let fault = node_name_fault(name);
+        let taken = self.find(name).map(|_| "is the name of another node".to_owned());
+        fault.or(taken).map_or(Ok(()), |message| Err(Problem::error(Place::Node(name.to_owned()), message)))
+    }
+
+    fn free_output_name(&self, name: &str, itself: Option<usize>) -> Result<(), Problem> {
+        let others = self.outputs.iter().enumerate().filter(|(i, _)| Some(*i) != itself);
+        let twin = others.map(|(_, (n, _))| n).find(|n| n.eq_ignore_ascii_case(name));
+        let taken = twin.map(|twin| format!("is the name of another output, `{twin}`"));
+        let fault = output_name_fault(name).or(taken);
+        fault.map_or(Ok(()), |message| Err(Problem::error(Place::Output(name.to_owned()), message)))
+    }
+
+    fn output_index(&self, name: &str) -> Result<usize, Problem> {
+        self.outputs.iter().position(|(n, _)| n == name).ok_or_else(|| {
+            let names = || self.outputs().map(|(n, _)| n);
+            let hint = Hints::new().nearest(name, names());
+            let message = format!("is not an output of this graph; it has {}{hint}", listed(names()));
+            Problem::error(Place::Output(name.to_owned()), message)
+        })
+    }
+
+    fn checked_output(&self, name: &str, mut output: Output) -> Result<Output, Problem> {
+        Output::forget_known(&mut output.extra);
+        output.range = output.range.map(|ends| ends.map(|v| v + 0.0));
+        match self.output_faults(name, &output, &Hints::new()).into_iter().find(Problem::is_error) {
+            Some(fault) => Err(fault),
+            None => Ok(output),
+        }
+    }
+
+    fn port(&self, id: NodeId, port: &str, side: Side) -> Result<&'static Port, Problem> {
+        self.live(id)?;
+        let node = self.node(id);
+        let (name, port_name) = (node.name.clone(), port.to_owned());
+        let (place, what) = match side {
+            Side::Input => (Place::Input { node: name, port: port_name }, "input"),
+            Side::Output => (Place::NodeOutput { node: name, port: port_name }, "output"),
+        };
+        let Some(kind) = node.kind() else {
+            let message = format!("cannot be connected, since the kind `{}` is not known", node.kind.id());
+            return Err(Problem::error(place, message));
+        };
+        let ports = side.ports(kind);
+        if let Some(found) = ports.iter().find(|p| p.name == port) {
+            return Ok(found);
+        }
+        let names = || ports.iter().map(|p| p.name);
+        let (all, hint) = (listed(names()), Hints::new().nearest(port, names()));
+        Err(Problem::error(place, format!("`{}` has no such {what}; it has {all}{hint}", kind.id)))
+    }
+
+    /// A seed that no node has: the same in every run of the program, and another for another name.
+    fn fresh_seed(&self, name: &str) -> u32 {
+        let seed = |id: NodeId| self.node(id).set.get("seed").and_then(Json::as_u64);
+        let taken: HashSet<u64> = self.nodes().filter_map(seed).collect();
+        let start = name.bytes().fold(0, |h, b| hash::mix(h ^ u64::from(b)));
+        // Six digits: short in the file, and far more than there are nodes.
+        let drawn = (0..).map(|i| 1 + hash::nth(start, i) % 999_999).find(|s| !taken.contains(s));
+        drawn.unwrap_or(1) as u32
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Side {
+    Input,
+    Output,
+}
+
+impl Side {
+    fn ports(self, kind: &'static Kind) -> Vec<&'static Port> {
+        match self {
+            Self::Input => kind.inputs().collect(),
+            Self::Output => kind.outputs.iter().collect(),
+        }
+    }
+}

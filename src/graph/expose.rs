@@ -1,0 +1,392 @@
+//! Exposed parameters: a name and a value for parameters of nodes and settings of the terrain.
+
+use std::collections::{BTreeSet, HashMap};
+
+use serde_json::Value as Json;
+
+use super::bind::{Bind, MAX_STEPS, Owner, split};
+use super::parts::{Exposed, Part};
+use super::path::Spot;
+use super::problem::{Hints, Place, Problem, listed};
+use super::validate::name_fault;
+use super::{Graph, MAX_NAMED, NodeId, json, settings};
+use crate::params::{Param, Shape};
+
+/// An exposed parameter whose binds all lead somewhere.
+pub(super) struct Bound {
+    pub(super) binds: Vec<Bind>,
+    /// What it is to the outside; its default is the value that the first bind has now.
+    pub(super) param: Param,
+}
+
+/// Which exposed parameter a bound path, or a part of one, belongs to: the first that the file names.
+#[derive(Default)]
+pub(super) struct Owners {
+    whole: HashMap<String, usize>,
+    part: HashMap<String, usize>,
+}
+
+impl Owners {
+    /// The exposed parameter before the `i`-th that binds the same, something around it or something inside it.
+    fn before(&self, i: usize, bind: &str) -> Option<usize> {
+        let around = prefixes(bind).filter_map(|p| self.whole.get(p));
+        around.chain(self.part.get(bind)).copied().filter(|&owner| owner < i).min()
+    }
+}
+
+/// `a.b`, `a.b.c` … of `a.b.c…`.
+fn prefixes(bind: &str) -> impl Iterator<Item = &str> {
+    let ends = bind.match_indices('.').map(|(i, _)| i).skip(1).chain([bind.len()]);
+    ends.map(|end| &bind[..end]).take(MAX_STEPS)
+}
+
+impl Graph {
+    /// Sets an exposed parameter, a parameter of a node or a setting of the terrain from a text, as `--set` does:
+    /// `ruggedness`, `hills.octaves`, `hills.mode.turned.angle`, `terrain.width`.
+    ///
+    /// # Errors
+    /// When there is no such parameter, the text does not fit, or it is exposed under another name.
+    pub fn assign(&mut self, name: &str, text: &str) -> Result<(), Problem> {
+        let (place, shape) = self.shape_of(name)?;
+        let value = shape.parse_text(text).map_err(|message| Problem::error(place, message))?;
+        self.assign_json(name, &value)
+    }
+
+    /// Sets an exposed parameter, a parameter of a node or a setting of the terrain, as `--vars` does.
+    ///
+    /// # Errors
+    /// Those of [`assign`](Self::assign).
+    pub fn assign_json(&mut self, name: &str, value: &Json) -> Result<(), Problem> {
+        if self.exposed_index(name).is_some() {
+            return self.set_exposed(name, value.clone());
+        }
+        let bind = self.find_bind(name, &Hints::new())?;
+        self.set_bind(&bind, value.clone())
+    }
+
+    /// Sets a parameter of a node; a dotted path leads into modes.
+    ///
+    /// # Errors
+    /// When there is no such parameter, the value does not fit, or it is exposed.
+    pub fn set(&mut self, id: NodeId, parameter: &str, value: Json) -> Result<(), Problem> {
+        self.live(id)?;
+        self.set_bind(&Bind { owner: Owner::Node(id), path: split(parameter) }, value)
+    }
+
+    /// Sets a setting of the terrain.
+    ///
+    /// # Errors
+    /// When there is no such setting, the value does not fit, or it is exposed. Settings that do not fit together
+    /// are reported by [`problems`](Self::problems), so that they can be changed one by one.
+    pub fn set_terrain(&mut self, setting: &str, value: Json) -> Result<(), Problem> {
+        self.set_bind(&Bind { owner: Owner::Terrain, path: split(setting) }, value)
+    }
+
+    /// Gives a parameter of a node its default again.
+    ///
+    /// # Errors
+    /// When there is no such parameter, or it is exposed.
+    pub fn reset(&mut self, id: NodeId, parameter: &str) -> Result<(), Problem> {
+        self.live(id)?;
+        self.reset_bind(&Bind { owner: Owner::Node(id), path: split(parameter) })
+    }
+
+    /// Gives a setting of the terrain its default again.
+    ///
+    /// # Errors
+    /// When there is no such setting, or it is exposed.
+    pub fn reset_terrain(&mut self, setting: &str) -> Result<(), Problem> {
+        self.reset_bind(&Bind { owner: Owner::Terrain, path: split(setting) })
+    }
+
+    /// Exposes parameters under a name. A null value takes over what the first of them has.
+    ///
+    /// # Errors
+    /// When the name is taken or not a name, a bind leads nowhere or is exposed already, the binds differ in kind,
+    /// or the value does not fit.
+    pub fn expose(&mut self, name: &str, exposed: Exposed) -> Result<(), Problem> {
+        let bad = |message: String| Err(Problem::error(Place::Exposed(name.to_owned()), message));
+        if let Some(fault) = name_fault(name) {
+            return bad(fault);
+        }
+        if self.exposed_index(name).is_some() {
+            return bad("is exposed already".to_owned());
+        }
+        if self.exposed.len() >= MAX_NAMED {
+            return bad(format!("would be one more than the limit of {MAX_NAMED}"));
+        }
+        self.put_exposed(self.exposed.len(), name, exposed)
+    }
+
+    /// Changes an exposed parameter: what it binds, its limits, its texts.
+    ///
+    /// # Errors
+    /// When there is none of the name, and those of [`expose`](Self::expose).
+    pub fn change_exposed(&mut self, name: &str, exposed: Exposed) -> Result<(), Problem> {
+        let i = self.exposed_index(name).ok_or_else(|| self.not_exposed(name))?;
+        self.put_exposed(i, name, exposed)
+    }
+
+    /// Takes a name away; the parameters keep their values.
+    ///
+    /// # Errors
+    /// When there is none of the name.
+    pub fn unexpose(&mut self, name: &str) -> Result<Exposed, Problem> {
+        let i = self.exposed_index(name).ok_or_else(|| self.not_exposed(name))?;
+        let (_, exposed) = self.exposed.remove(i);
+        self.settle();
+        Ok(exposed)
+    }
+
+    /// Sets an exposed parameter and all that it binds.
+    ///
+    /// # Errors
+    /// When there is none of the name, it is broken, or the value does not fit.
+    pub fn set_exposed(&mut self, name: &str, mut value: Json) -> Result<(), Problem> {
+        json::tidy(&mut value);
+        let i = self.exposed_index(name).ok_or_else(|| self.not_exposed(name))?;
+        let exposed = &self.exposed[i].1;
+        if json::same(&exposed.value, &value) {
+            return Ok(());
+        }
+        self.put_exposed(i, name, Exposed { value, ..exposed.clone() })
+    }
+
+    /// What an exposed parameter is to the outside: type and unit of what it binds, its own range, its value as the
+    /// default.
+    ///
+    /// # Errors
+    /// When there is none of the name, or it is broken.
+    pub fn exposed_param(&self, name: &str) -> Result<Param, Problem> {
+        let i = self.exposed_index(name).ok_or_else(|| self.not_exposed(name))?;
+        let exposed = &self.exposed[i].1;
+        let bound = self.bound(i, name, exposed, &self.owners(), &Hints::new()).map_err(first)?;
+        Ok(Param { default: exposed.value.clone(), ..bound.param })
+    }
+
+    fn put_exposed(&mut self, i: usize, name: &str, mut exposed: Exposed) -> Result<(), Problem> {
+        Exposed::forget_known(&mut exposed.extra);
+        let mut owners = self.owners();
+        // Its own old binds do not stand in its way, and those of later ones do.
+        owners.whole.retain(|_, owner| *owner != i);
+        owners.part.retain(|_, owner| *owner != i);
+        let bound = self.bound(usize::MAX, name, &exposed, &owners, &Hints::new()).map_err(first)?;
+        if exposed.value.is_null() {
+            exposed.value = bound.param.default.clone();
+        }
+        json::tidy(&mut exposed.value);
+        let fits = bound.param.shape.check(&exposed.value);
+        fits.map_err(|message| Problem::error(Place::Exposed(name.to_owned()), message))?;
+        match self.exposed.get_mut(i) {
+            Some(slot) if slot.1 == exposed => return Ok(()),
+            Some(slot) => slot.1 = exposed,
+            None => self.exposed.push((name.to_owned(), exposed)),
+        }
+        self.settle();
+        Ok(())
+    }
+
+    /// Where a parameter of a name stands, and what values fit.
+    fn shape_of(&self, name: &str) -> Result<(Place, Shape), Problem> {
+        if self.exposed_index(name).is_some() {
+            return Ok((Place::Exposed(name.to_owned()), self.exposed_param(name)?.shape));
+        }
+        let hints = Hints::new();
+        let bind = self.find_bind(name, &hints)?;
+        let place = self.place_of(&bind);
+        let spot = self.spot(&bind, &hints).map_err(|message| Problem::error(place.clone(), message))?;
+        Ok((place, spot.shape.clone()))
+    }
+
+    fn not_exposed(&self, name: &str) -> Problem {
+        let names = || self.exposed().map(|(n, _)| n);
+        let hint = Hints::new().nearest(name, names());
+        let message = format!("is not exposed by this graph; it exposes {}{hint}", listed(names()));
+        Problem::error(Place::Exposed(name.to_owned()), message)
+    }
+
+    pub(super) fn exposed_index(&self, name: &str) -> Option<usize> {
+        self.exposed.iter().position(|(n, _)| n == name)
+    }
+
+    pub(super) fn owners(&self) -> Owners {
+        let mut owners = Owners::default();
+        for (i, (_, exposed)) in self.exposed.iter().enumerate() {
+            for bind in &exposed.bind {
+                owners.whole.entry(bind.clone()).or_insert(i);
+                for part in prefixes(bind) {
+                    owners.part.entry(part.to_owned()).or_insert(i);
+                }
+            }
+        }
+        owners
+    }
+
+    /// What an exposed parameter binds, and what it is to the outside.
+    pub(super) fn bound(
+        &self,
+        i: usize,
+        name: &str,
+        exposed: &Exposed,
+        owners: &Owners,
+        hints: &Hints,
+    ) -> Result<Bound, Vec<Problem>> {
+        let place = || Place::Exposed(name.to_owned());
+        let mut faults = Vec::new();
+        let mut binds = Vec::new();
+        let mut param: Option<Param> = None;
+        for text in &exposed.bind {
+            match self.bound_one(i, text, owners, hints) {
+                Ok((bind, spot)) => {
+                    let shape = match &param {
+                        None => Some(spot.shape.clone()),
+                        Some(so_far) => meet(&so_far.shape, spot.shape),
+                    };
+                    match shape {
+                        Some(shape) => param.get_or_insert_with(|| spot_param(&spot)).shape = shape,
+                        None => {
+                            let message = format!(
+                                "binds `{text}`, whose values are of another kind or range than those before"
+                            );
+                            faults.push(Problem::error(place(), message));
+                        }
+                    }
+                    binds.push(bind);
+                }
+                Err(message) => {
+                    faults.push(Problem::error(place(), format!("cannot bind `{text}`: {message}")))
+                }
+            }
+        }
+        let Some(mut param) = param.filter(|_| faults.is_empty()) else {
+            if faults.is_empty() {
+                faults.push(Problem::error(place(), "binds nothing"));
+            }
+            return Err(self.blame_all(faults, name, &binds));
+        };
+        if let Err(message) = narrow(&mut param.shape, exposed) {
+            return Err(self.blame_all(vec![Problem::error(place(), message)], name, &binds));
+        }
+        param.name = name.to_owned();
+        if !exposed.about.is_empty() {
+            param.doc.clone_from(&exposed.about);
+        }
+        Ok(Bound { binds, param })
+    }
+
+    fn bound_one(
+        &self,
+        i: usize,
+        text: &str,
+        owners: &Owners,
+        hints: &Hints,
+    ) -> Result<(Bind, Spot<'_>), String> {
+        if !text.contains('.') {
+            return Err("it must be written as `node.parameter`".to_owned());
+        }
+        let bind = self.find_bind(text, hints).map_err(|p| p.to_string())?;
+        let spot =
+            self.spot(&bind, hints).map_err(|message| format!("{}: {message}", self.place_of(&bind)))?;
+        if let Some(other) = owners.before(i, text).and_then(|i| self.exposed.get(i)) {
+            return Err(format!("it is exposed as `{}` already", other.0));
+        }
+        Ok((bind, spot))
+    }
+
+    /// The problems of an exposed parameter, with one at least for each node and each setting of the terrain that it
+    /// sets: with the value in doubt, none of them may be used.
+    pub(super) fn blame_all(&self, mut faults: Vec<Problem>, name: &str, binds: &[Bind]) -> Vec<Problem> {
+        let Some(fault) = faults.first().cloned() else { return faults };
+        let mut nodes = BTreeSet::new();
+        for bind in binds {
+            match bind.owner {
+                Owner::Node(id) => _ = nodes.insert(id),
+                Owner::Terrain => {
+                    let message = format!("is exposed as `{name}`, which has a fault: it {}", fault.message);
+                    faults.push(Problem::error(self.place_of(bind), message));
+                }
+            }
+        }
+        let mut nodes = nodes.into_iter();
+        let Some(one) = nodes.next() else { return faults };
+        faults.iter_mut().filter(|f| matches!(f.place, Place::Exposed(_))).for_each(|f| f.node = Some(one));
+        for id in nodes {
+            let message = format!("{}; it sets `{}` too", fault.message, self.node(id).name);
+            faults.push(Problem { message, ..fault.clone() }.of(id));
+        }
+        faults
+    }
+
+    /// Brings everything in line after an edit: wires that resolve now, exposed values, the terrain.
+    pub(super) fn settle(&mut self) {
+        self.link();
+        self.apply_exposed(&[]);
+        self.look_at_settings();
+        self.touch();
+    }
+
+    /// Makes the terrain, and notes what of it and of the exposed parameters cannot be used.
+    pub(super) fn look_at_settings(&mut self) {
+        self.terrain = settings::terrain(&self.settings);
+        let hints = Hints::none();
+        let faults =
+            settings::faults(&self.settings, &hints).into_iter().chain(self.exposed_problems(&hints));
+        self.stopped = faults.filter(Problem::is_error).collect();
+    }
+
+    pub(super) fn live(&self, id: NodeId) -> Result<(), Problem> {
+        let gone =
+            || Problem::error(Place::Graph, format!("has no node with the index {} any more", id.index()));
+        self.get(id).map(drop).ok_or_else(gone)
+    }
+}
+
+fn first(faults: Vec<Problem>) -> Problem {
+    faults.into_iter().next().unwrap_or_else(|| Problem::error(Place::Graph, "cannot be changed"))
+}
+
+fn spot_param(spot: &Spot<'_>) -> Param {
+    let mut default = spot.value.clone();
+    json::tidy(&mut default);
+    Param { shape: spot.shape.clone(), default, ..spot.param.clone() }
+}
+
+/// The values that fit both; `None` when the two are of different kinds or have no value in common.
+fn meet(a: &Shape, b: &Shape) -> Option<Shape> {
+    match (a, b) {
+        (Shape::Number { min, max, integer }, Shape::Number { min: low, max: high, integer: whole }) => {
+            let (min, max) = (min.max(*low), max.min(*high));
+            (min <= max).then_some(Shape::Number { min, max, integer: *integer || *whole })
+        }
+        (Shape::Text { max_length: a }, Shape::Text { max_length: b }) => {
+            Some(Shape::Text { max_length: *a.min(b) })
+        }
+        (Shape::Optional(a), Shape::Optional(b)) => Some(Shape::Optional(Box::new(meet(a, b)?))),
+        (Shape::Optional(a), b) | (b, Shape::Optional(a)) => meet(a, b),
+        (a, b) => (a == b).then(|| a.clone()),
+    }
+}
+
+/// Narrows the range to the limits of an exposed parameter.
+fn narrow(shape: &mut Shape, exposed: &Exposed) -> Result<(), String> {
+    if exposed.min.is_none() && exposed.max.is_none() {
+        return Ok(());
+    }
+    match shape {
+        Shape::Optional(inner) => narrow(inner, exposed),
+        Shape::Number { min, max, .. } => {
+            let low = exposed.min.map_or(*min, |m| m.max(*min));
+            let high = exposed.max.map_or(*max, |m| m.min(*max));
+            if low > high {
+                return Err(format!(
+                    "allows no value: `min` and `max` give {} to {}, and its parameters take {min} to {max}",
+                    exposed.min.unwrap_or(*min),
+                    exposed.max.unwrap_or(*max)
+                ));
+            }
+            (*min, *max) = (low, high);
+            Ok(())
+        }
+        _ => Err("has `min` or `max`, but its values are no numbers".to_owned()),
+    }
+}

@@ -1,0 +1,332 @@
+//! The parts of a graph: nodes, outputs, exposed parameters and what the graph says about itself.
+//!
+//! What a part may hold is said once, in its struct: reading, checking, writing and the published schema all
+//! follow from its JSON schema. A key that is not known, or whose value does not fit, stays in `extra` as it was
+//! written and is reported.
+
+use std::sync::{Arc, LazyLock};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::{Map, Value as Json};
+
+use super::problem::{Hints, Severity, listed};
+use crate::node::{self, AnyNode, Kind};
+use crate::params::{self, Param};
+
+/// The kind of a node in a graph.
+#[derive(Clone, Debug)]
+pub enum KindRef {
+    /// A kind of this program.
+    Known(&'static Kind),
+    /// A kind that this program does not have, or has in an older version only: the node is kept as it was written.
+    Unknown(String),
+}
+
+impl KindRef {
+    /// The name in the file.
+    pub fn id(&self) -> &str {
+        match self {
+            Self::Known(kind) => kind.id,
+            Self::Unknown(id) => id,
+        }
+    }
+}
+
+/// Where a node should run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Backend {
+    /// Where the build says.
+    #[default]
+    Auto,
+    /// On the processor.
+    Cpu,
+    /// On the graphics card, if there is one and the kind can.
+    Gpu,
+}
+
+/// One node of a graph.
+#[derive(Clone, Debug)]
+pub struct GraphNode {
+    /// Name, unique in the graph.
+    pub name: String,
+    /// What kind it is.
+    pub kind: KindRef,
+    /// Parameters that are set, those that are exposed included; the others have their defaults.
+    pub set: Map<String, Json>,
+    /// Place on the canvas.
+    pub at: [f64; 2],
+    /// Where it should run.
+    pub backend: Backend,
+    /// What the file says beyond that, kept as it was written.
+    pub extra: Map<String, Json>,
+    /// Inputs that do not resolve, as they were written.
+    pub(super) loose: Map<String, Json>,
+}
+
+impl GraphNode {
+    /// Its kind, if this program has it.
+    pub fn kind(&self) -> Option<&'static Kind> {
+        match self.kind {
+            KindRef::Known(kind) => Some(kind),
+            KindRef::Unknown(_) => None,
+        }
+    }
+
+    /// The parsed parameters, ready to run.
+    ///
+    /// # Errors
+    /// Names the parameter that does not fit, or the kind when it is not known.
+    pub fn parse(&self) -> node::Result<Arc<dyn AnyNode>> {
+        match &self.kind {
+            KindRef::Known(kind) => kind.parse(&self.set),
+            KindRef::Unknown(id) => Err(node::Error::Parameter {
+                name: "kind".to_owned(),
+                message: format!("is `{id}`, which this version does not know"),
+            }),
+        }
+    }
+
+    /// The inputs that do not resolve, as they were written.
+    pub fn unresolved(&self) -> impl Iterator<Item = (&str, &Json)> {
+        self.loose.iter().map(|(port, written)| (port.as_str(), written))
+    }
+
+    /// The parameters that differ from their defaults, in the order of the kind, then those it does not know.
+    pub(super) fn changed(&self) -> Map<String, Json> {
+        let params = self.kind().map_or(&[][..], Kind::params);
+        let differs = |p: &&Param| self.set.get(&p.name).is_some_and(|v| !super::json::same(v, &p.default));
+        let known = params.iter().filter(differs).map(|p| (p.name.clone(), self.set[&p.name].clone()));
+        let is_param = |name: &str| params.iter().any(|p| p.name == name);
+        let rest = self.set.iter().filter(|(name, _)| !is_param(name));
+        known.chain(rest.map(|(k, v)| (k.clone(), v.clone()))).collect()
+    }
+}
+
+/// The file format of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OutputFormat {
+    /// PNG with 8 bits a channel.
+    Png8,
+    /// PNG with 16 bits a channel.
+    Png16,
+    /// GeoTIFF of 32-bit floats.
+    Tiff,
+    /// GeoTIFF of unsigned 16-bit integers.
+    Tiff16,
+    /// OpenEXR of 32-bit floats.
+    Exr,
+    /// Raw unsigned 16-bit integers, little-endian.
+    R16,
+    /// Raw 32-bit floats, little-endian.
+    R32,
+    /// Esri ASCII grid.
+    Asc,
+}
+
+impl OutputFormat {
+    /// All formats.
+    pub const ALL: [Self; 8] =
+        [Self::Png8, Self::Png16, Self::Tiff, Self::Tiff16, Self::Exr, Self::R16, Self::R32, Self::Asc];
+
+    /// The name in the file and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Png8 => "png8",
+            Self::Png16 => "png16",
+            Self::Tiff => "tiff",
+            Self::Tiff16 => "tiff16",
+            Self::Exr => "exr",
+            Self::R16 => "r16",
+            Self::R32 => "r32",
+            Self::Asc => "asc",
+        }
+    }
+
+    /// The format of a name.
+    pub fn find(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|f| f.name() == name)
+    }
+}
+
+/// The programs that an output can be meant for.
+pub const TARGETS: [&str; 3] = ["unreal", "unity", "godot"];
+
+/// One output of a graph: a file to write.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Output {
+    /// The output of a node, as `node.port`.
+    #[schemars(length(max = 512))]
+    pub from: String,
+    /// File format; by default one that suits the values: `exr` for heights and fields, `png16` for masks, `png8` for colours.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub format: Option<OutputFormat>,
+    /// The values that the lowest and the highest integer of the file stand for; by default those found on the base grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+    /// Lets values beyond the range be cut off instead of stopping the build.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub clip: bool,
+    /// The program that the file is meant for: `unreal`, `unity` or `godot`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<String>,
+    /// Writes the rows from south to north.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub flip: bool,
+    /// What it is for.
+    #[schemars(length(max = 65536))]
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub about: String,
+    /// What the file says beyond that, kept as it was written.
+    #[serde(skip)]
+    pub extra: Map<String, Json>,
+}
+
+/// One exposed parameter: a name for parameters of nodes, or settings of the terrain, that share a value.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Exposed {
+    /// What it sets: `node.parameter` or `terrain.setting`; deeper paths lead into modes, as `node.mode.turned.angle`.
+    #[schemars(length(min = 1, max = 1000))]
+    pub bind: Vec<String>,
+    /// The value; it takes the place of what the nodes themselves say.
+    pub value: Json,
+    /// Lowest value, where it is higher than what the parameters allow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// Highest value, where it is lower than what the parameters allow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+    /// Name for people.
+    #[schemars(length(max = 200))]
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub label: String,
+    /// What it does.
+    #[schemars(length(max = 65536))]
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub about: String,
+    /// What the file says beyond that, kept as it was written.
+    #[serde(skip)]
+    pub extra: Map<String, Json>,
+}
+
+impl Exposed {
+    /// An exposed parameter that binds something and takes its value over.
+    pub fn of(bind: &str) -> Self {
+        Self { bind: vec![bind.to_owned()], ..Self::default() }
+    }
+}
+
+/// What a graph says about itself.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct About {
+    /// Name for people.
+    #[schemars(length(max = 1024))]
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub title: String,
+    /// Who made it.
+    #[schemars(length(max = 1024))]
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub author: String,
+    /// Under which licence, as an SPDX expression.
+    #[schemars(length(max = 1024))]
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub license: String,
+    /// What it is.
+    #[schemars(length(max = 65536))]
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub about: String,
+    /// Words to find it by.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tags: Vec<String>,
+}
+
+/// The keys of a node that are neither its kind nor its inputs nor its parameters.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub(super) struct NodeKeys {
+    /// Place on the canvas.
+    #[schemars(inner(range(min = -1.0e9, max = 1.0e9)))]
+    pub(super) at: [f64; 2],
+    /// Where it should run.
+    #[serde(skip_serializing_if = "is_auto")]
+    pub(super) backend: Backend,
+}
+
+fn is_auto(backend: &Backend) -> bool {
+    *backend == Backend::Auto
+}
+
+/// A part whose keys are read from its own JSON schema.
+pub(super) trait Part: Default + Serialize + DeserializeOwned + JsonSchema {
+    /// Its keys.
+    fn keys() -> &'static [Param];
+
+    /// Takes out of an object what fits; the rest stays.
+    fn take(written: &mut Map<String, Json>) -> Self {
+        let fits = |p: &&Param| written.get(&p.name).is_some_and(|v| p.shape.check(v).is_ok());
+        let keys: Vec<&Param> = Self::keys().iter().filter(fits).collect();
+        let pairs = keys.iter().filter_map(|p| Some((p.name.clone(), written.get(&p.name)?.clone())));
+        let Ok(part) = Self::deserialize(Json::Object(pairs.collect())) else { return Self::default() };
+        for key in keys {
+            written.shift_remove(&key.name);
+        }
+        part
+    }
+
+    /// The object to write, in the order of declaration; what is kept in `extra` goes before what is known.
+    fn give(&self, extra: &Map<String, Json>) -> Map<String, Json> {
+        let mut map = match serde_json::to_value(self) {
+            Ok(Json::Object(map)) => map,
+            _ => Map::new(),
+        };
+        map.extend(extra.iter().map(|(k, v)| (k.clone(), v.clone())));
+        map
+    }
+
+    /// Drops what would hide a key that is known.
+    fn forget_known(extra: &mut Map<String, Json>) {
+        extra.retain(|key, _| !Self::keys().iter().any(|p| p.name == *key));
+    }
+}
+
+macro_rules! parts {
+    ($($name:ident),+) => {$(
+        impl Part for $name {
+            fn keys() -> &'static [Param] {
+                static KEYS: LazyLock<Vec<Param>> = LazyLock::new(|| {
+                    params::of_schema(&schemars::schema_for!($name).to_value(), &Json::Null)
+                });
+                &KEYS
+            }
+        }
+    )+};
+}
+parts!(Output, Exposed, About, NodeKeys);
+
+/// What is wrong with the keys in `extra`: known ones whose values do not fit, and unknown ones.
+pub(super) fn faults(
+    keys: &[Param],
+    more: &[&'static str],
+    extra: &Map<String, Json>,
+    hints: &Hints,
+) -> Vec<(Severity, String)> {
+    let names = || keys.iter().map(|k| k.name.as_str()).chain(more.iter().copied());
+    let fault = |(name, value): (&String, &Json)| match keys.iter().find(|k| k.name == *name) {
+        Some(key) => {
+            let why = key.shape.check(value).err().unwrap_or_else(|| "cannot be read".to_owned());
+            (Severity::Error, format!("`{name}` {why}"))
+        }
+        None if more.contains(&name.as_str()) => (Severity::Error, format!("`{name}` must be an object")),
+        None => {
+            let (known, hint) = (listed(names()), hints.nearest(name, names()));
+            let message = format!("the key `{name}` is not known and kept as it is; known are {known}{hint}");
+            (Severity::Warning, message)
+        }
+    };
+    extra.iter().map(fault).collect()
+}

@@ -1,0 +1,253 @@
+//! Checking: everything wrong or doubtful in a graph, in the order of the file.
+
+use std::collections::HashMap;
+
+use serde_json::{Map, Value as Json};
+
+use super::parts::{About, Exposed, GraphNode, KindRef, NodeKeys, Output, Part, TARGETS, faults};
+use super::problem::{Hints, Place, Problem, Severity, listed};
+use super::write::brief;
+use super::{Graph, NodeId, settings};
+use crate::node::{Error, Kind, Reads};
+
+/// Longest name of a node, an output or an exposed parameter.
+const MAX_NAME: usize = 64;
+/// Top-level keys of the file that later versions will read.
+const RESERVED: [&str; 2] = ["inputs", "graphs"];
+/// Prefixes of kinds that later versions will know: graphs as nodes.
+const RESERVED_KINDS: [&str; 2] = ["graph:", "file:"];
+/// Names that Windows keeps for devices, with or without an extension; some are followed by a digit.
+const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
+const NUMBERED_DEVICES: [&str; 2] = ["com", "lpt"];
+
+/// What is wrong with the name of an exposed parameter.
+pub(super) fn name_fault(name: &str) -> Option<String> {
+    let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    let good = (1..=MAX_NAME).contains(&name.len()) && name.chars().all(fits);
+    (!good).then(|| format!("must have a name of 1 to {MAX_NAME} of the characters a to z, 0 to 9 and _"))
+}
+
+/// What is wrong with the name of a node.
+pub(super) fn node_name_fault(name: &str) -> Option<String> {
+    let reserved = || "cannot have the name of the terrain's settings".to_owned();
+    name_fault(name).or_else(|| (name == "terrain").then(reserved))
+}
+
+/// What is wrong with the name of an output, which becomes that of a file.
+pub(super) fn output_name_fault(name: &str) -> Option<String> {
+    let numbered = name.len() == 4
+        && name.ends_with(|c: char| c.is_ascii_digit())
+        && NUMBERED_DEVICES.contains(&name.get(..3).unwrap_or(""));
+    let device = DEVICES.contains(&name) || numbered;
+    name_fault(name).or_else(|| device.then(|| "has a name that Windows keeps for a device".to_owned()))
+}
+
+impl Graph {
+    /// Everything wrong or doubtful: first the graph and its terrain, then exposed parameters, nodes and outputs in
+    /// the order of the file, then cycles, twins and the rest that concerns several places.
+    pub fn problems(&self) -> Vec<Problem> {
+        let hints = Hints::new();
+        let mut found = self.notes.clone();
+        found.extend(self.extra_problems(&hints));
+        found.extend(settings::faults(&self.settings, &hints));
+        found.extend(self.exposed_problems(&hints));
+        for id in self.nodes() {
+            let faults = self.node_problems(id, &hints);
+            found.extend(faults.into_iter().map(|p| p.of(id)));
+        }
+        found.extend(self.cycles());
+        found.extend(self.output_problems(&hints));
+        found.extend(self.twins());
+        if self.outputs.is_empty() {
+            found.push(Problem::warning(Place::Graph, "has no outputs, so that nothing would be built"));
+        }
+        found
+    }
+
+    fn extra_problems(&self, hints: &Hints) -> Vec<Problem> {
+        let (reserved, rest): (Map<_, _>, Map<_, _>) = self
+            .extra
+            .iter()
+            .map(|(k, v)| (k.clone(), v.clone()))
+            .partition(|(key, _)| RESERVED.contains(&key.as_str()));
+        let kept = |key: &String| format!("`{key}` is not yet supported by this version, and kept as it is");
+        let mut found: Vec<_> =
+            reserved.keys().map(|key| Problem::warning(Place::Graph, kept(key))).collect();
+        let parts = ["kinds", "terrain", "expose", "nodes", "outputs"];
+        found.extend(placed(faults(About::keys(), &parts, &rest, hints), &Place::Graph));
+        found
+    }
+
+    pub(super) fn exposed_problems(&self, hints: &Hints) -> Vec<Problem> {
+        let owners = self.owners();
+        let mut found = Vec::new();
+        for (i, (name, exposed)) in self.exposed.iter().enumerate() {
+            let place = Place::Exposed(name.clone());
+            found.extend(name_fault(name).map(|fault| Problem::error(place.clone(), fault)));
+            found.extend(placed(faults(Exposed::keys(), &[], &exposed.extra, hints), &place));
+            if exposed.extra.contains_key("bind") {
+                continue;
+            }
+            match self.bound(i, name, exposed, &owners, hints) {
+                Err(faults) => found.extend(faults),
+                Ok(bound) => {
+                    if let Err(message) = bound.param.shape.check(&exposed.value) {
+                        found.extend(self.blame_all(
+                            vec![Problem::error(place, message)],
+                            name,
+                            &bound.binds,
+                        ));
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    fn node_problems(&self, id: NodeId, hints: &Hints) -> Vec<Problem> {
+        let node = self.node(id);
+        let place = Place::Node(node.name.clone());
+        let mut found = Vec::new();
+        found.extend(node_name_fault(&node.name).map(|fault| Problem::error(place.clone(), fault)));
+        found.extend(placed(faults(NodeKeys::keys(), &["in", "set", "kind"], &node.extra, hints), &place));
+        match &node.kind {
+            KindRef::Unknown(kind) => found.push(Problem::error(place, self.unknown_kind(kind, hints))),
+            KindRef::Known(kind) => {
+                found.extend(parameter_problems(node, kind, hints));
+                found.extend(self.input_problems(id, kind, hints));
+            }
+        }
+        found
+    }
+
+    fn unknown_kind(&self, kind: &str, hints: &Hints) -> String {
+        if let Some(known) = self.registry.find(kind) {
+            return self.version_of(known).err().unwrap_or_default();
+        }
+        if RESERVED_KINDS.iter().any(|prefix| kind.starts_with(prefix)) {
+            return format!(
+                "is of kind `{kind}`: graphs as nodes are not yet supported by this version; it is kept as it is"
+            );
+        }
+        let hint = hints.nearest(kind, self.registry.iter().map(|k| k.id));
+        format!("is of kind `{kind}`, which is not known, and kept as it is{hint}")
+    }
+
+    fn input_problems(&self, id: NodeId, kind: &'static Kind, hints: &Hints) -> Vec<Problem> {
+        let node = self.node(id);
+        let place = |port: &str| Place::Input { node: node.name.clone(), port: port.to_owned() };
+        let parsed = kind.parse(&node.set).ok();
+        let uses = |port: &str| parsed.as_ref().is_none_or(|n| n.uses(port));
+        let mut found = Vec::new();
+        for port in kind.inputs() {
+            if let Some(written) = node.loose.get(port.name) {
+                let want = port.wire.name();
+                let message = match written.as_str().map(|text| (text, self.resolve(text))) {
+                    None => format!("must be written as `node.port`, got {}", brief(written)),
+                    Some((text, Err(miss))) => self.explain(text, &miss, hints),
+                    Some((text, Ok(source))) => {
+                        let got = self.wire_type(source).map_or("nothing", |w| w.name());
+                        format!("takes {want}, but `{text}` gives {got}")
+                    }
+                };
+                let problem = if uses(port.name) { Problem::error } else { Problem::warning };
+                found.push(problem(place(port.name), message));
+            } else if port.required && uses(port.name) && self.source(id, port.name).is_none() {
+                found.push(Problem::error(place(port.name), "must be connected"));
+            }
+        }
+        for (name, _) in node.loose.iter().filter(|(name, _)| kind.input(name).is_none()) {
+            let names = || kind.inputs().map(|p| p.name);
+            let (all, hint) = (listed(names()), hints.nearest(name, names()));
+            let message = format!("`{}` has no such input; it has {all}{hint}", kind.id);
+            found.push(Problem::error(place(name), message));
+        }
+        found
+    }
+
+    fn output_problems(&self, hints: &Hints) -> Vec<Problem> {
+        let mut found = Vec::new();
+        let mut seen: HashMap<String, &str> = HashMap::new();
+        for (name, output) in self.outputs() {
+            found.extend(self.output_faults(name, output, hints));
+            if let Some(other) = seen.insert(name.to_lowercase(), name) {
+                let message = format!("has the name of the output `{other}` but for upper and lower case");
+                found.push(Problem::error(Place::Output(name.to_owned()), message));
+            }
+        }
+        found
+    }
+
+    /// What is wrong with an output by itself.
+    pub(super) fn output_faults(&self, name: &str, output: &Output, hints: &Hints) -> Vec<Problem> {
+        let place = Place::Output(name.to_owned());
+        let error = |message: String| Problem::error(place.clone(), message);
+        let mut found: Vec<Problem> = output_name_fault(name).map(error).into_iter().collect();
+        found.extend(placed(faults(Output::keys(), &[], &output.extra, hints), &place));
+        if output.from.is_empty() && !output.extra.contains_key("from") {
+            found.push(error("needs `from`, the output of a node as `node.port`".to_owned()));
+        } else if !output.extra.contains_key("from") {
+            let miss = self.resolve(&output.from).err();
+            found.extend(miss.map(|miss| error(self.explain(&output.from, &miss, hints))));
+        }
+        if let Some([low, high]) = output.range
+            && !(low.is_finite() && high.is_finite() && low < high)
+        {
+            found.push(error(format!("`range` must be a lower and a higher number, got [{low}, {high}]")));
+        }
+        if let Some(target) = output.target.as_deref().filter(|t| !TARGETS.contains(t)) {
+            let hint = hints.nearest(target, TARGETS);
+            found.push(error(format!("`target` must be one of {}, got `{target}`{hint}", listed(TARGETS))));
+        }
+        found
+    }
+
+    /// Random nodes that are equal in all they say: most often one is a copy whose seed was forgotten.
+    fn twins(&self) -> Vec<Problem> {
+        let mut seen: HashMap<(&str, String), NodeId> = HashMap::new();
+        let mut found = Vec::new();
+        for id in self.nodes() {
+            let node = self.node(id);
+            let random = |k: &&Kind| k.meta.reads.has(Reads::SEED) && k.param("seed").is_some();
+            let Some(kind) = node.kind().filter(|k| random(k)) else { continue };
+            match seen.entry((kind.id, Json::Object(node.changed()).to_string())) {
+                std::collections::hash_map::Entry::Vacant(slot) => _ = slot.insert(id),
+                std::collections::hash_map::Entry::Occupied(first) => {
+                    let other = &self.node(*first.get()).name;
+                    let message =
+                        format!("is that of `{other}`, and all other parameters are the same: twins");
+                    let place = Place::Parameter { node: node.name.clone(), parameter: "seed".to_owned() };
+                    found.push(Problem::warning(place, message).of(id));
+                }
+            }
+        }
+        found
+    }
+}
+
+fn parameter_problems(node: &GraphNode, kind: &Kind, hints: &Hints) -> Vec<Problem> {
+    let place = |name: &str| Place::Parameter { node: node.name.clone(), parameter: name.to_owned() };
+    let mut found = Vec::new();
+    for param in kind.params() {
+        let fault = node.set.get(&param.name).and_then(|value| param.shape.check(value).err());
+        found.extend(fault.map(|message| Problem::error(place(&param.name), message)));
+    }
+    let names = || kind.params().iter().map(|p| p.name.as_str());
+    for name in node.set.keys().filter(|name| kind.param(name).is_none()) {
+        let (all, hint) = (listed(names()), hints.nearest(name, names()));
+        let message = format!("is not one of this kind's: {all}{hint}");
+        found.push(Problem::error(place(name), message));
+    }
+    if found.is_empty() {
+        found.extend(kind.parse(&node.set).err().map(|error| match error {
+            Error::Parameter { name, message } => Problem::error(place(&name), message),
+            other => Problem::error(Place::Node(node.name.clone()), other.to_string()),
+        }));
+    }
+    found
+}
+
+fn placed(faults: Vec<(Severity, String)>, place: &Place) -> Vec<Problem> {
+    let problem = |(severity, message)| Problem { severity, ..Problem::error(place.clone(), message) };
+    faults.into_iter().map(problem).collect()
+}

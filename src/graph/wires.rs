@@ -1,0 +1,164 @@
+//! Wires: which output an input reads, and the texts that say so in the file.
+
+use petgraph::Direction::Incoming;
+use petgraph::visit::EdgeRef as _;
+use serde_json::Value as Json;
+
+use super::problem::{Hints, Place, Problem, listed};
+use super::{Graph, KindRef, NodeId};
+use crate::value::WireType;
+
+/// A wire between two nodes, on the edge of the graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Wire {
+    /// The output it comes from.
+    pub(super) from: &'static str,
+    /// The input it goes to.
+    pub(super) to: &'static str,
+}
+
+/// An output of a node: where a wire, or an output of the graph, comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Source {
+    /// The node.
+    pub node: NodeId,
+    /// Its output.
+    pub port: &'static str,
+}
+
+/// Why a text `node.port` leads to no output.
+pub(super) enum Miss<'a> {
+    Form,
+    Node(&'a str),
+    Kind(NodeId),
+    Port(NodeId, &'a str),
+}
+
+impl Graph {
+    /// The wire into an input, if there is one and it resolves.
+    pub fn source(&self, id: NodeId, port: &str) -> Option<Source> {
+        self.edge_into(id, port).map(|(_, source)| source)
+    }
+
+    /// All wires into a node that resolve, in the order of its kind's inputs.
+    pub fn inputs(&self, id: NodeId) -> impl Iterator<Item = (&'static str, Source)> + '_ {
+        let kind = self.get(id).and_then(|n| n.kind());
+        let ports = kind.into_iter().flat_map(|k| k.inputs());
+        ports.filter_map(move |port| Some((port.name, self.source(id, port.name)?)))
+    }
+
+    /// The inputs that read an output of a node, as node, input and the output they read.
+    pub fn consumers(&self, id: NodeId) -> impl Iterator<Item = (NodeId, &'static str, &'static str)> + '_ {
+        self.dag.edges(id).map(|e| (e.target(), e.weight().to, e.weight().from))
+    }
+
+    /// The source of an output of the graph, where nothing but the nodes themselves can stop it.
+    ///
+    /// # Errors
+    /// When there is no such output or it has a fault: its name, what it reads, a setting; when a setting of the
+    /// terrain has one, or an exposed parameter that sets a node above the output. Faults of the nodes are found by
+    /// [`GraphNode::parse`](super::GraphNode::parse) and [`problems`](Self::problems).
+    pub fn output_source(&self, name: &str) -> Result<Source, Problem> {
+        let hints = Hints::new();
+        let place = Place::Output(name.to_owned());
+        let Some(output) = self.output(name) else {
+            let names = || self.outputs().map(|(n, _)| n);
+            let (all, hint) = (listed(names()), hints.nearest(name, names()));
+            return Err(Problem::error(place, format!("is not an output of this graph; it has {all}{hint}")));
+        };
+        if let Some(fault) = self.output_faults(name, output, &hints).into_iter().find(Problem::is_error) {
+            return Err(fault);
+        }
+        let source = self.resolve(&output.from);
+        let source =
+            source.map_err(|miss| Problem::error(place, self.explain(&output.from, &miss, &hints)))?;
+        if !self.stopped.is_empty() {
+            let upstream = self.upstream(source.node);
+            if let Some(fault) = self.stopped.iter().find(|p| p.stops(name, &upstream)) {
+                return Err(fault.clone());
+            }
+        }
+        Ok(source)
+    }
+
+    /// `node.port`, as the file writes it.
+    pub fn source_text(&self, source: Source) -> String {
+        format!("{}.{}", self.node(source.node).name, source.port)
+    }
+
+    /// The type of what an output of a node gives.
+    pub fn wire_type(&self, source: Source) -> Option<WireType> {
+        Some(self.get(source.node)?.kind()?.output(source.port)?.wire)
+    }
+
+    pub(super) fn resolve<'a>(&self, text: &'a str) -> Result<Source, Miss<'a>> {
+        let (name, port) = text.rsplit_once('.').ok_or(Miss::Form)?;
+        let node = self.find(name).ok_or(Miss::Node(name))?;
+        let kind = self.node(node).kind().ok_or(Miss::Kind(node))?;
+        let port = kind.output(port).ok_or(Miss::Port(node, port))?;
+        Ok(Source { node, port: port.name })
+    }
+
+    /// Says why a text leads to no output, without a subject.
+    pub(super) fn explain(&self, text: &str, miss: &Miss<'_>, hints: &Hints) -> String {
+        match *miss {
+            Miss::Form => format!("must be written as `node.port`, got `{text}`"),
+            Miss::Node(name) => {
+                let hint = hints.nearest(name, self.names_of_nodes());
+                format!("reads `{text}`, but the graph has no node `{name}`{hint}")
+            }
+            Miss::Kind(node) => {
+                let kind = self.node(node).kind.id();
+                format!("reads `{text}`, whose kind `{kind}` is not known")
+            }
+            Miss::Port(node, port) => {
+                let node = self.node(node);
+                let names = || node.kind().into_iter().flat_map(|k| k.outputs).map(|p| p.name);
+                let (all, hint) = (listed(names()), hints.nearest(port, names()));
+                format!("reads `{text}`, but `{}` has no output `{port}`; it has {all}{hint}", node.name)
+            }
+        }
+    }
+
+    pub(super) fn names_of_nodes(&self) -> impl Iterator<Item = &str> {
+        self.nodes().map(|id| self.node(id).name.as_str())
+    }
+
+    /// Turns those written inputs into wires that resolve and fit.
+    pub(super) fn link(&mut self) {
+        for i in 0..self.sequence.len() {
+            let id = self.sequence[i];
+            if self.node(id).loose.is_empty() {
+                continue;
+            }
+            let KindRef::Known(kind) = self.node(id).kind else { continue };
+            for port in kind.inputs() {
+                let fits = self.node(id).loose.get(port.name).and_then(Json::as_str).and_then(|text| {
+                    let source = self.resolve(text).ok()?;
+                    (self.wire_type(source)? == port.wire).then_some(source)
+                });
+                if let Some(source) = fits {
+                    self.dag[id].loose.shift_remove(port.name);
+                    self.put_wire(source, id, port.name);
+                }
+            }
+        }
+    }
+
+    /// Puts a wire in, in place of the one that was there.
+    pub(super) fn put_wire(&mut self, source: Source, id: NodeId, port: &'static str) {
+        self.cut_wire(id, port);
+        self.dag.add_edge(source.node, id, Wire { from: source.port, to: port });
+    }
+
+    /// Takes the wire into an input away, if there is one.
+    pub(super) fn cut_wire(&mut self, id: NodeId, port: &str) -> bool {
+        let edge = self.edge_into(id, port).map(|(edge, _)| edge);
+        edge.is_some_and(|edge| self.dag.remove_edge(edge).is_some())
+    }
+
+    fn edge_into(&self, id: NodeId, port: &str) -> Option<(petgraph::stable_graph::EdgeIndex, Source)> {
+        let edge = self.dag.edges_directed(id, Incoming).find(|e| e.weight().to == port)?;
+        Some((edge.id(), Source { node: edge.source(), port: edge.weight().from }))
+    }
+}

@@ -1,0 +1,231 @@
+//! Writing: the canonical form, which diffs and merges line by line, and the atomic save.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use serde_json::{Map, Value as Json};
+
+use super::parts::{NodeKeys, Part};
+use super::{FORMAT, Graph, KindRef, NodeId, settings};
+
+/// Longest line that an object or a list of lists is put on; lists of numbers are never broken.
+const COLUMNS: usize = 110;
+/// These top-level objects have one line an entry, however short they are.
+const OPEN: [&str; 3] = ["expose", "nodes", "outputs"];
+
+impl Graph {
+    /// The file: the bytes it was read from when nothing has changed since, else the canonical form.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.original.as_ref().map_or_else(|| self.canonical(), |bytes| bytes.to_vec())
+    }
+
+    /// The canonical form: fixed order of keys, only parameters that differ from their defaults, short objects and
+    /// lists of numbers on one line.
+    pub fn canonical(&self) -> Vec<u8> {
+        let mut out = String::from("{");
+        for (i, (key, value)) in self.document().iter().enumerate() {
+            out.push_str(if i == 0 { "\n  " } else { ",\n  " });
+            let start = out.len();
+            out.push_str(&text(key));
+            out.push_str(": ");
+            let column = 2 + out.len() - start;
+            let open = OPEN.contains(&key.as_str());
+            put(&mut out, value, 2, column, open);
+        }
+        out.push_str("\n}\n");
+        out.into_bytes()
+    }
+
+    /// Writes the file whole or not at all; to a temporary file in the same folder, to the disk, then over the old.
+    ///
+    /// # Errors
+    /// Those of the file system; the old file is then as it was.
+    pub fn save(&self, path: &Path) -> io::Result<()> {
+        save_bytes(path, &self.to_bytes())
+    }
+
+    fn document(&self) -> Map<String, Json> {
+        let mut file = Map::new();
+        file.insert("orograph".into(), FORMAT.into());
+        file.insert("kinds".into(), self.kind_versions());
+        file.append(&mut self.about.give(&Map::new()));
+        file.insert("terrain".into(), Json::Object(settings::written(&self.settings)));
+        let exposed = self.exposed().map(|(name, e)| (name.to_owned(), Json::Object(e.give(&e.extra))));
+        let exposed: Map<String, Json> = exposed.collect();
+        if !exposed.is_empty() {
+            file.insert("expose".into(), Json::Object(exposed));
+        }
+        let nodes = self.nodes().map(|id| (self.node(id).name.clone(), self.written_node(id)));
+        file.insert("nodes".into(), Json::Object(nodes.collect()));
+        let outputs = self.outputs().map(|(name, o)| (name.to_owned(), Json::Object(o.give(&o.extra))));
+        file.insert("outputs".into(), Json::Object(outputs.collect()));
+        file.extend(self.extra.iter().map(|(k, v)| (k.clone(), v.clone())));
+        file
+    }
+
+    fn kind_versions(&self) -> Json {
+        let mut versions = BTreeMap::new();
+        for id in self.nodes() {
+            match &self.node(id).kind {
+                KindRef::Known(kind) => _ = versions.insert(kind.id, Json::from(kind.meta.version)),
+                KindRef::Unknown(kind) => {
+                    if let Some(written) = self.versions.get(kind) {
+                        versions.insert(kind, written.clone());
+                    }
+                }
+            }
+        }
+        Json::Object(versions.into_iter().map(|(k, v)| (k.to_owned(), v)).collect())
+    }
+
+    fn written_node(&self, id: NodeId) -> Json {
+        let node = self.node(id);
+        let keys = NodeKeys { at: node.at, backend: node.backend }.give(&Map::new());
+        let mut map = Map::new();
+        map.insert("kind".into(), node.kind.id().into());
+        map.extend(keys.get("at").map(|at| ("at".to_owned(), at.clone())));
+        let inputs = self.written_inputs(id);
+        if !inputs.is_empty() {
+            map.insert("in".into(), Json::Object(inputs));
+        }
+        let set = node.changed();
+        if !set.is_empty() {
+            map.insert("set".into(), Json::Object(set));
+        }
+        map.extend(keys);
+        map.extend(node.extra.iter().map(|(k, v)| (k.clone(), v.clone())));
+        Json::Object(map)
+    }
+
+    /// The inputs in the order of the kind, then those it does not have, as they were written.
+    fn written_inputs(&self, id: NodeId) -> Map<String, Json> {
+        let node = self.node(id);
+        let mut map = Map::new();
+        for port in node.kind().into_iter().flat_map(|k| k.inputs()) {
+            let wire = self.source(id, port.name).map(|s| Json::from(self.source_text(s)));
+            if let Some(value) = wire.or_else(|| node.loose.get(port.name).cloned()) {
+                map.insert(port.name.to_owned(), value);
+            }
+        }
+        map.extend(node.loose.iter().map(|(k, v)| (k.clone(), v.clone())));
+        map
+    }
+}
+
+/// Writes a file whole or not at all. The old file's permissions stay; a link stays, and what it points to is
+/// replaced.
+fn save_bytes(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let old = target.metadata();
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".orograph-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        // What a new file gets: the user's umask applies.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    if let Ok(old) = old {
+        file.as_file().set_permissions(old.permissions())?;
+    }
+    file.as_file().sync_all()?;
+    file.persist(&target).map_err(|e| e.error)?;
+    #[cfg(unix)]
+    std::fs::File::open(folder)?.sync_all()?;
+    Ok(())
+}
+
+/// Writes a value that starts at a column; an open object is broken however short it is.
+fn put(out: &mut String, value: &Json, indent: usize, column: usize, open: bool) {
+    let is_list_of_numbers = |v: &Json| v.as_array().is_some_and(|a| a.iter().all(Json::is_number));
+    let is_empty = value.as_object().is_some_and(Map::is_empty);
+    // One column is kept for the comma.
+    let room = if is_list_of_numbers(value) { usize::MAX } else { COLUMNS.saturating_sub(column + 1) };
+    let start = out.len();
+    if (!open || is_empty) && inline(out, value, start.saturating_add(room)) {
+        return;
+    }
+    out.truncate(start);
+    let line = |out: &mut String, i: usize| {
+        out.push_str(if i == 0 { "\n" } else { ",\n" });
+        out.extend(std::iter::repeat_n(' ', indent + 2));
+    };
+    match value {
+        Json::Object(map) => {
+            out.push('{');
+            for (i, (key, value)) in map.iter().enumerate() {
+                line(out, i);
+                let key = text(key);
+                out.push_str(&key);
+                out.push_str(": ");
+                put(out, value, indent + 2, indent + 4 + key.len(), false);
+            }
+        }
+        Json::Array(items) => {
+            out.push('[');
+            for (i, item) in items.iter().enumerate() {
+                line(out, i);
+                put(out, item, indent + 2, indent + 2, false);
+            }
+        }
+        // A number, text or word has one form, however long.
+        _ => {
+            inline(out, value, usize::MAX);
+            return;
+        }
+    }
+    out.push('\n');
+    out.extend(std::iter::repeat_n(' ', indent));
+    out.push(if value.is_object() { '}' } else { ']' });
+}
+
+/// Writes a value on one line; gives up when the text gets longer than `end` bytes.
+fn inline(out: &mut String, value: &Json, end: usize) -> bool {
+    match value {
+        Json::Object(map) if map.is_empty() => out.push_str("{}"),
+        Json::Object(map) => {
+            for (i, (key, value)) in map.iter().enumerate() {
+                out.push_str(if i == 0 { "{ " } else { ", " });
+                out.push_str(&text(key));
+                out.push_str(": ");
+                if !inline(out, value, end) {
+                    return false;
+                }
+            }
+            out.push_str(" }");
+        }
+        Json::Array(items) => {
+            out.push('[');
+            for (i, item) in items.iter().enumerate() {
+                out.push_str(if i == 0 { "" } else { ", " });
+                if !inline(out, item, end) {
+                    return false;
+                }
+            }
+            out.push(']');
+        }
+        Json::Number(number) => {
+            let whole = number.as_f64().filter(|_| number.is_f64()).and_then(super::json::whole);
+            out.push_str(&whole.map_or_else(|| number.to_string(), |n| n.to_string()));
+        }
+        other => out.push_str(&other.to_string()),
+    }
+    out.len() <= end
+}
+
+fn text(text: &str) -> String {
+    Json::from(text).to_string()
+}
+
+/// A value short enough for a message.
+pub(super) fn brief(value: &Json) -> String {
+    let mut text = String::new();
+    if inline(&mut text, value, 60) {
+        return text;
+    }
+    text.chars().take(57).chain("...".chars()).collect()
+}
