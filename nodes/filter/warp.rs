@@ -3,7 +3,7 @@
 use crate::kit::hash;
 use crate::kit::noise::{Form, Fractal, FractalRows, Spectrum};
 use crate::kit::rows::Rows;
-use crate::kit::sample::{Interpolation, Sampler, fit, method_for};
+use crate::kit::sample::{Interpolation, Sampler, method_for};
 use crate::prelude::*;
 
 /// Pulls a field about along the ground: bends straight ridges, lets forms flow.
@@ -91,9 +91,9 @@ impl Node for Warp {
 
     fn cost(&self, grid: &Grid) -> Cost {
         // The noise's columns, a row of displacement in each thread, and a copy of vectors that must be cropped.
-        let rows = 8 * grid.cols as u64 * (rayon::current_num_threads() as u64 + 1);
+        let rows = 24 * grid.cols as u64 * (rayon::current_num_threads() as u64 + 1);
         let bytes = 2 * Fractal::bytes(self.octaves, grid.cols) + rows + grid.len() as u64 * 8;
-        Cost { bytes, ..Cost::per_sample(grid, 15.0 + 5.0 * f64::from(self.octaves)) }
+        Cost { bytes, ..Cost::per_sample(grid, 45.0 + 7.0 * f64::from(self.octaves)) }
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
@@ -111,11 +111,11 @@ impl Node for Warp {
         let field = cx.fill(quantity, |row, out: &mut [f32]| {
             let (mut east, mut south) = (vec![0.0; out.len()], vec![0.0; out.len()]);
             displacement.row(row, [&mut east, &mut south]);
-            for (i, (o, (&x, &y))) in out.iter_mut().zip(east.iter().zip(&south)).enumerate() {
+            let places = east.iter().zip(&south).enumerate().map(|(i, (&x, &y))| {
                 let [x, y] = shortened([f64::from(x), f64::from(y)], limit);
-                let at = [(cx.grid.col + i as i64) as f64 + x * per_metre, row.row as f64 + y * per_metre];
-                *o = fit(quantity, sampler.value(method, at));
-            }
+                [(cx.grid.col + i as i64) as f64 + x * per_metre, row.row as f64 + y * per_metre]
+            });
+            sampler.row(method, quantity, &places.collect::<Vec<_>>(), out);
         })?;
         Ok(Outputs { field })
     }

@@ -20,7 +20,7 @@ pub const FINE: f64 = 32.0;
 /// Widest radius, in cells, at which every sample of the disk is counted.
 pub const DENSE: f64 = 128.0;
 /// Ranks that one coarse counter sums.
-const BIN: usize = 128;
+const BIN: usize = 32;
 
 /// How a median of some radius is taken.
 #[derive(Clone, Copy, Debug)]
