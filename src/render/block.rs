@@ -120,7 +120,7 @@ impl Block {
         };
         // A wall sees half the sky, less near the floor, which in turn lights it.
         let above = ((p[2] - self.base) / (0.06 * longer)) as f32;
-        let open = 0.30 + 0.20 * above.clamp(0.0, 1.0);
+        let open = 0.42 + 0.18 * above.clamp(0.0, 1.0);
         let mut light = lamp.light(color, normal, 1.0, [open, 1.0]);
         let to_sun = lamp.sky.to_sun[2] as f32;
         for k in 0..3 {

@@ -19,7 +19,7 @@ const HAZE_HEIGHT: f64 = 0.10;
 /// How far the land goes on where it fades into haze, as a share of the longer side.
 const MARGIN: f64 = 0.35;
 /// Contrast within a pixel above which it is looked at more closely, in light of the screen.
-const CONTRAST: f32 = 0.03;
+const CONTRAST: f32 = 0.05;
 /// Radius of the sun as it blurs the block's shadow on the floor, in radians.
 const SUN_RADIUS: f64 = 0.022;
 /// Variance of the slopes of waves: how far the glitter of the sun spreads.

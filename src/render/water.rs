@@ -64,7 +64,7 @@ impl Water {
             None => WET + (self.level - z).max(0.0) / self.clarity,
             Some(coast) => {
                 let near = coast.at(i, j);
-                WET + 4.5 * (1.0 - near) * (1.0 - near)
+                2.2 * WET + 4.2 * (1.0 - near) * (1.0 - near)
             }
         };
         std::array::from_fn(|k| {

@@ -24,11 +24,11 @@ fn hills(cols: usize, rows: usize) -> Field {
 }
 
 fn drawn(scene: &Scene<'_>, width: Option<usize>) -> Picture {
-    map(scene, width, &Watch::quiet(&Cancel::default())).unwrap()
+    map(scene, width, &Watch::quiet(&Cancel::default())).expect("a good scene")
 }
 
 fn seen(scene: &Scene<'_>, camera: &Camera) -> Picture {
-    perspective(scene, camera, &Watch::quiet(&Cancel::default())).unwrap()
+    perspective(scene, camera, &Watch::quiet(&Cancel::default())).expect("a good scene")
 }
 
 fn clay(height: &Field, azimuth: f64, altitude: f64) -> Scene<'_> {
