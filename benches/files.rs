@@ -41,7 +41,8 @@ fn hills(size: usize) -> Value {
 
 fn written(value: &Value, format: Format) -> (Vec<u8>, Option<Vec<u8>>) {
     let terrain = Terrain::default();
-    let job = WriteJob { range: Some([-500.0, 2500.0]), ..WriteJob::new(value, format, &terrain, *value.grid()) };
+    let job =
+        WriteJob { range: Some([-500.0, 2500.0]), ..WriteJob::new(value, format, &terrain, *value.grid()) };
     let mut out = Cursor::new(Vec::new());
     let written = encode(&job, &mut out).expect("writes");
     (out.into_inner(), written.sidecar.map(|j| j.to_string().into_bytes()))
@@ -92,8 +93,14 @@ fn read(bencher: Bencher<'_, '_>, format: Format) {
 fn import_cubic(bencher: Bencher<'_, '_>) {
     let (bytes, _) = written(&hills(SIZE), Format::Tiff);
     let closing = orograph::files::Closing::Smooth;
-    let request =
-        Request { name: "a.tif", bytes: &bytes, sidecar: None, encoding: Encoding::Auto, closing, cubic: true };
+    let request = Request {
+        name: "a.tif",
+        bytes: &bytes,
+        sidecar: None,
+        encoding: Encoding::Auto,
+        closing,
+        cubic: true,
+    };
     bencher.bench_local(|| Relief::new(black_box(&request), &Limits::default()).expect("reads"));
 }
 

@@ -18,6 +18,7 @@ pub fn survive(name: &str, bytes: &[u8], sidecar: Option<&[u8]>) {
     assert!(file.data.iter().all(|v| v.is_finite() || v.is_nan()));
     let mut out = std::io::Cursor::new(Vec::new());
     encode_file(&FileJob::new(&file, Format::Tiff), &mut out).expect("floats hold any height");
-    let again = read_height("again.tif", &out.into_inner(), None, &LIMITS).expect("what was written can be read");
+    let again =
+        read_height("again.tif", &out.into_inner(), None, &LIMITS).expect("what was written can be read");
     assert!(again.data.iter().zip(&file.data).all(|(a, b)| a == b || (a.is_nan() && b.is_nan())));
 }

@@ -4,8 +4,8 @@ use crate::prelude::*;
 
 /// Takes one of up to eight fields, by number.
 ///
-/// Expose `choice` to let a graph offer variants. The inputs that are not taken need not be computed: they have no
-/// part in the result.
+/// Expose `choice` to let a graph offer variants. The inputs that are not taken are not computed:
+/// they have no part in the result.
 ///
 /// # See also
 /// `mix` to blend two of them.
@@ -20,7 +20,7 @@ pub struct Switch {
 ports! {
     pub struct Inputs {
         /// Taken when `choice` is 0.
-        a: Field,
+        a: Option<Field>,
         /// Taken when `choice` is 1.
         b: Option<Field>,
         /// Taken when `choice` is 2.
@@ -61,9 +61,8 @@ impl Node for Switch {
         Reach::Point
     }
 
-    /// Nothing of the inputs that are not taken.
-    fn footprint(&self, port: &str, window: &Grid, _: &Terrain) -> Grid {
-        if port == self.taken() { *window } else { Grid { cols: 0, rows: 0, ..*window } }
+    fn uses(&self, port: &str) -> bool {
+        port == self.taken()
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
@@ -75,7 +74,7 @@ impl Node for Switch {
         let port = self.taken();
         let missing =
             || Error::Input { port, message: format!("is not connected, and `choice` is {}", self.choice) };
-        let field = [Some(a), b, c, d, e, f, g, h].into_iter().nth(self.choice.min(7) as usize).flatten();
+        let field = [a, b, c, d, e, f, g, h].into_iter().nth(self.choice.min(7) as usize).flatten();
         Ok(Outputs { field: field.ok_or_else(missing)?.crop(&cx.grid) })
     }
 }

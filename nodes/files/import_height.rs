@@ -124,7 +124,15 @@ impl Node for ImportHeight {
     type In = Inputs;
     type Out = Outputs;
     const META: Meta = Meta::new().reads(Reads::TERRAIN).keywords(&[
-        "dem", "heightmap", "elevation", "load", "open", "geotiff", "srtm", "terrarium", "real",
+        "dem",
+        "heightmap",
+        "elevation",
+        "load",
+        "open",
+        "geotiff",
+        "srtm",
+        "terrarium",
+        "real",
     ]);
 
     fn reach(&self) -> Reach {
@@ -202,7 +210,9 @@ impl ImportHeight {
             Placing::TrueSize { x, y, rotation } => {
                 let [dx, dy] = match self.cell {
                     Some(cell) => [cell.0; 2],
-                    None => relief.placement.cell.ok_or_else(|| self.bad("cell", "must be set: the file does not say how far apart its samples are"))?,
+                    None => relief.placement.cell.ok_or_else(|| {
+                        self.bad("cell", "must be set: the file does not say how far apart its samples are")
+                    })?,
                 };
                 let [sin, cos] = sin_cos(rotation.0);
                 let [ox, oy] = terrain.origin;
@@ -219,21 +229,28 @@ impl ImportHeight {
 
     fn georeferenced(&self, terrain: &Terrain, relief: &Relief) -> Result<Pose> {
         let no = |message: &str| self.bad("placement", message);
-        let geo = terrain.geo.ok_or_else(|| no("is by georeference, and the terrain has no `geo`: it lies nowhere on Earth"))?;
+        let geo = terrain.geo.ok_or_else(|| {
+            no("is by georeference, and the terrain has no `geo`: it lies nowhere on Earth")
+        })?;
         let place = relief.placement;
-        let affine: Affine = place.affine.ok_or_else(|| no("is by georeference, and the file has no coordinates"))?;
+        let affine: Affine =
+            place.affine.ok_or_else(|| no("is by georeference, and the file has no coordinates"))?;
         match place.epsg {
             Some(epsg) if epsg == geo.epsg => (),
             Some(epsg) => {
                 let (want, hint) = (geo.epsg, "reproject it, or place it at true size");
-                return Err(no(&format!("is by georeference: the file is in EPSG:{epsg}, the terrain in EPSG:{want}; {hint}")));
+                return Err(no(&format!(
+                    "is by georeference: the file is in EPSG:{epsg}, the terrain in EPSG:{want}; {hint}"
+                )));
             }
             None => return Err(no("is by georeference, and the file names no EPSG code")),
         }
         if !matches!(place.units, Units::Length(1.0) | Units::WebMercator) {
             return Err(no("is by georeference, and the file's coordinates are not in metres"));
         }
-        let inverse = affine.inverse().ok_or_else(|| no("is by georeference, and the file's coordinates span no plane"))?;
+        let inverse = affine
+            .inverse()
+            .ok_or_else(|| no("is by georeference, and the file's coordinates span no plane"))?;
         // The map is linear: three points tell it.
         let start = inverse([geo.east, geo.north]);
         let (east, south) = (affine_step(&affine, [1.0, 0.0]), affine_step(&affine, [0.0, -1.0]));

@@ -10,7 +10,7 @@ use crate::prelude::*;
 ///
 /// A value becomes `low + (high − low) · F(x)`, where `F` is the share of the whole terrain that lies below it: read
 /// on the base grid at the heights that cut its area into 128 equal parts, and joined by a curve that rises
-/// everywhere [fritsch1984]. Values beyond the range of the base grid keep their distance from it.
+/// everywhere \[fritsch1984\]. Values beyond the range of the base grid keep their distance from it.
 ///
 /// # Limits
 /// A flat field stays as it is. A flat part, such as a lake, keeps one value, and its shore grows steep.

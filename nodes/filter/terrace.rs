@@ -10,7 +10,7 @@ use crate::prelude::*;
 /// Lays a field into terraces: flat treads and steep risers, like banks of hard and soft rock.
 ///
 /// Within a step from one level to the next, the way `t` from 0 to 1 becomes a curve that is flat at the foot and steep
-/// at the lip [schlick1994]. So the treads keep some of the slope they had, and every ridge and gully runs on through
+/// at the lip \[schlick1994\]. So the treads keep some of the slope they had, and every ridge and gully runs on through
 /// them.
 ///
 /// # Limits

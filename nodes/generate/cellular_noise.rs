@@ -6,7 +6,7 @@ use crate::prelude::*;
 /// Measures the distance to random points, one in each cell of a turned lattice.
 ///
 /// With the distances `F1` and `F2` to the nearest and second nearest point, in cells, the height is
-/// `offset + amplitude · measure`: a rise of `amplitude` over a way of `size` [worley1996].
+/// `offset + amplitude · measure`: a rise of `amplitude` over a way of `size` \[worley1996\].
 ///
 /// # Differs from the paper
 /// Each cell has exactly one point instead of a random number of them, so cells are more even in size.

@@ -6,8 +6,8 @@ use crate::prelude::*;
 /// Sums octaves of Perlin noise into hills, ridges or mountains.
 ///
 /// Octave `k` has features of `feature_size / lacunarity^k` and the weight `gain^k`, divided by the sum of all
-/// weights. Each has a lattice of its own, turned and shifted by hash, so that none shows [perlin2002]; the forms
-/// are those of Musgrave [ebert2003]. A rule of thumb: a gain of `lacunarity^-H` gives a surface of roughness `H`, 1
+/// weights. Each has a lattice of its own, turned and shifted by hash, so that none shows \[perlin2002\]; the forms
+/// are those of Musgrave \[ebert2003\]. A rule of thumb: a gain of `lacunarity^-H` gives a surface of roughness `H`, 1
 /// smooth, 0.5 rough; real relief has 0.7 to 0.9.
 ///
 /// # Differs from the paper

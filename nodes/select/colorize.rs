@@ -8,7 +8,7 @@ use crate::prelude::*;
 /// Colours a field by a ramp: heights as on a wall map, or any other field.
 ///
 /// The value at `low` takes the first colour of the ramp, the value at `high` the last; between stops the colours
-/// run through Oklab, so that they are neither muddy nor banded [ottosson2020]. A shade, such as that of
+/// run through Oklab, so that they are neither muddy nor banded \[ottosson2020\]. A shade, such as that of
 /// `hillshade`, multiplies the colours as stored.
 ///
 /// # Limits

@@ -6,8 +6,8 @@ use crate::prelude::*;
 /// Grows or shrinks the high parts of a field, such as a mask, by a radius in metres.
 ///
 /// Every sample takes the largest (`dilate`) or smallest (`erode`) value within `radius` of it: the grey-scale
-/// dilation and erosion by a flat disk [serra1982], exact, with the largest value under each chord of the disk found
-/// by doubling [urbach2008]. `close` dilates, then erodes: it fills holes and gaps narrower than the disk; `open`
+/// dilation and erosion by a flat disk \[serra1982\], exact, with the largest value under each chord of the disk found
+/// by doubling \[urbach2008\]. `close` dilates, then erodes: it fills holes and gaps narrower than the disk; `open`
 /// erodes, then dilates: it removes what is narrower. With `soft`, the result is blended with its surroundings
 /// up to that far, by the bump `(1 − (d / soft)²)²` along each axis.
 ///

@@ -6,9 +6,9 @@ use crate::prelude::*;
 /// Shades the ground by the sun, as on a relief map.
 ///
 /// Lambert's law: the shade is the cosine of the angle between the normal of the ground and the direction to the
-/// sun, 0 where the ground faces away [horn1981]. The gradient comes from the heights `scale` metres to either side.
+/// sun, 0 where the ground faces away \[horn1981\]. The gradient comes from the heights `scale` metres to either side.
 /// With `multiple` light, the sun shines from four directions 45° apart around `azimuth`, each weighted by the square
-/// of the sine between it and the fall of the ground, so that no slope drowns in shadow [mark1992].
+/// of the sine between it and the fall of the ground, so that no slope drowns in shadow \[mark1992\].
 ///
 /// # Limits
 /// No cast shadows: `occlusion` knows what stands around.

@@ -8,12 +8,12 @@ use crate::prelude::*;
 /// Measures how much of the sky each place sees: valleys and pits are dark, ridges and plains bright.
 ///
 /// In each of `directions` evenly spaced directions the horizon is the steepest angle `γ` at which the ground rises
-/// within `radius`; the result is the sky-view factor `1 − mean(sin γ)` with `γ ≥ 0` [zaksek2011]. What lies in the
+/// within `radius`; the result is the sky-view factor `1 − mean(sin γ)` with `γ ≥ 0` \[zaksek2011\]. What lies in the
 /// outer half of the radius counts less and less, so that no circle shows around a peak.
 ///
 /// Each direction is sampled at every `detail` metres near by, then at four distances an octave, up to the radius;
 /// the farther, the more the ground is smoothed first, in proportion to the distance between samples, so that no
-/// peak is missed or seen twice [crassin2011].
+/// peak is missed or seen twice \[crassin2011\].
 ///
 /// # Differs from the paper
 /// The paper looks at every cell along a direction; smoothing makes far and narrow peaks count a little less.

@@ -7,7 +7,7 @@ use crate::prelude::*;
 /// Selects the slopes that face a compass direction.
 ///
 /// A slope faces where water would run: `direction = atan2(−∂h/∂x, ∂h/∂y)`, with x to the east and y to the south,
-/// from the heights `scale` metres to either side [zevenbergen1987]. The mask is 1 within half of `width` of the
+/// from the heights `scale` metres to either side \[zevenbergen1987\]. The mask is 1 within half of `width` of the
 /// chosen direction and fades to 0 over `soft` degrees more. Flat ground faces nowhere: the mask rises with the
 /// slope, from 0 on the flat to its whole value at `steepness`.
 ///

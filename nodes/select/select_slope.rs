@@ -7,7 +7,7 @@ use crate::prelude::*;
 /// Selects the places whose slope lies in a range.
 ///
 /// The slope is `atan |∇h|`, with the gradient from the heights `scale` metres to the east, west, north and south
-/// [zevenbergen1987]. The mask is 1 from `low` to `high` and fades to 0 over `soft` degrees beyond either.
+/// \[zevenbergen1987\]. The mask is 1 from `low` to `high` and fades to 0 over `soft` degrees beyond either.
 ///
 /// # Limits
 /// The scale that takes effect is at least one cell of the build, or of the base grid where the build is coarser.

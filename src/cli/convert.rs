@@ -77,7 +77,8 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
         ..FileJob::new(&file, format)
     };
     let folder = args.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let cannot = |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot open {}: {e}", folder.display()));
+    let cannot =
+        |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot open {}: {e}", folder.display()));
     let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
     let (_, written) =
         write_atomic(&dir, &name, |out| encode_file(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;

@@ -96,7 +96,11 @@ impl Job {
     }
 
     fn stem(&self, tile: &Tile, many: bool) -> String {
-        if many { format!("{}_x{}_y{}", self.name, tile.place.col, tile.place.row) } else { self.name.clone() }
+        if many {
+            format!("{}_x{}_y{}", self.name, tile.place.col, tile.place.row)
+        } else {
+            self.name.clone()
+        }
     }
 
     fn file(&self, tile: &Tile, many: bool) -> String {
@@ -133,8 +137,11 @@ impl Job {
         let notes = written.notes;
         if let Some(sidecar) = &written.sidecar {
             let text = format!("{sidecar:#}\n");
-            write_atomic(folder, &sidecar_name(&file), |out| out.write_all(text.as_bytes()))
-                .map_err(|e: std::io::Error| Stop::new(Exit::Failed, format!("cannot write the sidecar of {file}: {e}")))?;
+            write_atomic(folder, &sidecar_name(&file), |out| out.write_all(text.as_bytes())).map_err(
+                |e: std::io::Error| {
+                    Stop::new(Exit::Failed, format!("cannot write the sidecar of {file}: {e}"))
+                },
+            )?;
         }
         let range = match value {
             Value::Field(f) => f.range(),

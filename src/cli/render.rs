@@ -107,21 +107,26 @@ struct Subject {
     sea_level: Option<f64>,
 }
 
-pub(super) fn run(args: Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
+pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
     let progress = Progress::new(args.progress);
     let subject = if is_graph(&args.graph.graph) {
-        from_graph(&args, registry, &progress, cancel)
+        from_graph(args, registry, &progress, cancel)
     } else {
-        from_file(&args)
+        from_file(args)
     };
-    let picture = subject.and_then(|s| draw(&args, &s, cancel));
+    let picture = subject.and_then(|s| draw(args, &s, cancel));
     progress.end();
     let png = picture?.to_png().map_err(|e| Stop::new(Exit::Failed, e))?;
     save(&args.out, &png)?;
     Ok(Exit::Done)
 }
 
-fn from_graph(args: &Args, registry: &Registry, progress: &Progress, cancel: &Cancel) -> Result<Subject, Stop> {
+fn from_graph(
+    args: &Args,
+    registry: &Registry,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Subject, Stop> {
     let Opened { graph, files, problems, .. } = open::open(&args.graph, registry)?;
     problems.iter().filter(|p| p.is_error()).for_each(|p| progress.say(&format!("error: {p}")));
     let (_, window) = args.grid.grids(graph.terrain())?;
@@ -131,9 +136,8 @@ fn from_graph(args: &Args, registry: &Registry, progress: &Progress, cancel: &Ca
         Some(name) => named(name)?,
         None => {
             let fields = chosen(&graph, &[])?.into_iter().filter_map(|name| wanted(&name).ok());
-            let mut fields = fields.filter(|w| {
-                graph.wire_type(Source { node: w.node, port: w.port }) == Some(WireType::Field)
-            });
+            let mut fields = fields
+                .filter(|w| graph.wire_type(Source { node: w.node, port: w.port }) == Some(WireType::Field));
             fields.next().ok_or_else(|| Stop::usage("the graph has no output that is a field"))?
         }
     };
@@ -158,14 +162,16 @@ fn subject(sea: f64, values: Vec<Result<Value, SharedFailure>>) -> Result<Subjec
         _ => return Err(Stop::usage("--color must name an output that is colours")),
     };
     // A terrain that stays above the sea is drawn without one; a mask or an angle has no sea at all.
-    let wet = height.quantity() == Quantity::Elevation && height.range().is_some_and(|(lo, _)| f64::from(lo) < sea);
+    let wet =
+        height.quantity() == Quantity::Elevation && height.range().is_some_and(|(lo, _)| f64::from(lo) < sea);
     Ok(Subject { height, color, sea_level: wet.then_some(sea) })
 }
 
 fn from_file(args: &Args) -> Result<Subject, Stop> {
     let path: &Path = &args.graph.graph;
     let name = path.to_string_lossy();
-    let bytes = std::fs::read(path).map_err(|e| Stop::new(Exit::Input, format!("cannot read {name}: {e}")))?;
+    let bytes =
+        std::fs::read(path).map_err(|e| Stop::new(Exit::Input, format!("cannot read {name}: {e}")))?;
     let sidecar = std::fs::read(sidecar_name(&name)).ok();
     let mut file = read_height(&name, &bytes, sidecar.as_deref(), &Limits::default())
         .map_err(|e| Stop::new(Exit::Input, e))?;
@@ -207,7 +213,9 @@ fn draw(args: &Args, subject: &Subject, cancel: &Cancel) -> Result<Picture, Stop
     scene.contours = args.contours;
     let watch = Watch::quiet(cancel);
     let drawn = match args.view {
-        View::Map => map(&scene, args.width.or_else(|| (subject.height.grid().cols > 2048).then_some(2048)), &watch),
+        View::Map => {
+            map(&scene, args.width.or_else(|| (subject.height.grid().cols > 2048).then_some(2048)), &watch)
+        }
         View::Perspective => perspective(&scene, &camera(args)?, &watch),
     };
     drawn.map_err(|e| match e {
@@ -229,7 +237,8 @@ fn camera(args: &Args) -> Result<Camera, Stop> {
     camera.look_at = args.look_at.as_deref().map(|t| numbers("--look-at", t)).transpose()?;
     if let Some(name) = &args.edge {
         let edge = Edge::named(name);
-        camera.edge = edge.ok_or_else(|| Stop::usage(format!("--edge must be block or haze, got `{name}`")))?;
+        camera.edge =
+            edge.ok_or_else(|| Stop::usage(format!("--edge must be block or haze, got `{name}`")))?;
     }
     Ok(camera)
 }

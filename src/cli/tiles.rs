@@ -69,7 +69,7 @@ fn pair(text: &str, separator: char) -> Option<[u64; 2]> {
 fn uneven(axis: usize, steps: u64, count: u64, side: Option<u64>) -> String {
     let name = ["columns", "rows"][axis];
     let near = |wanted: u64| {
-        let fits = |n: &u64| *n >= 1 && steps % n == 0;
+        let fits = |n: &u64| *n >= 1 && steps.is_multiple_of(*n);
         let below = (1..wanted.min(steps + 1)).rev().find(fits);
         let above = (wanted + 1..=steps).find(fits);
         below.into_iter().chain(above)

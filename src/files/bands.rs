@@ -84,7 +84,8 @@ pub(super) fn in_order<T: Send>(
     let (count, batch) = (split.count(), 8 * rayon::current_num_threads());
     for first in (0..count).step_by(batch) {
         watch.check(first as f32 / count as f32)?;
-        let made: Vec<_> = (first..count.min(first + batch)).into_par_iter().map(|i| make(split.band(i))).collect();
+        let made: Vec<_> =
+            (first..count.min(first + batch)).into_par_iter().map(|i| make(split.band(i))).collect();
         for (i, made) in made.into_iter().enumerate() {
             take(split.band(first + i), made)?;
         }

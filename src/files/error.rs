@@ -129,7 +129,9 @@ pub enum WriteError {
     #[error("a range goes from a lower to a higher number, got {0:?}")]
     Range([f64; 2]),
     /// Values lie outside the range.
-    #[error("{count} of {of} values lie outside the range {range:?}: they go from {min} to {max}; widen the range or allow clipping")]
+    #[error(
+        "{count} of {of} values lie outside the range {range:?}: they go from {min} to {max}; widen the range or allow clipping"
+    )]
     Clipped {
         /// How many.
         count: u64,

@@ -31,7 +31,9 @@ pub(super) fn read(name: &str, bytes: &[u8], limits: &Limits) -> Result<HeightFi
             Placement::new(affine, Anchor::Point, Some(4326), Units::Degrees, [n, n])
         }
         None => {
-            origin.notes.push("the name is not that of an SRTM tile, such as N44E005.hgt: no place is known".into());
+            origin
+                .notes
+                .push("the name is not that of an SRTM tile, such as N44E005.hgt: no place is known".into());
             Placement::default()
         }
     };

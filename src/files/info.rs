@@ -120,7 +120,11 @@ impl fmt::Display for Info {
         if let (Some(units), Some(nw), Some(se)) = (&self.units, self.north_west, self.south_east) {
             let epsg = self.epsg.map_or("no EPSG code".to_owned(), |e| format!("EPSG:{e}"));
             writeln!(f, "  lies at   {epsg}, {units}, {}, {} to {}, {}", nw[0], nw[1], se[0], se[1])?;
-            writeln!(f, "  a sample  stands for {}", if self.anchor == "point" { "a point" } else { "an area" })?;
+            writeln!(
+                f,
+                "  a sample  stands for {}",
+                if self.anchor == "point" { "a point" } else { "an area" }
+            )?;
         }
         self.notes.iter().try_for_each(|note| writeln!(f, "  note      {note}"))
     }

@@ -100,7 +100,8 @@ impl Placement {
         units: Units,
         size: [usize; 2],
     ) -> Self {
-        let middle = affine.at(size[0].saturating_sub(1) as f64 / 2.0, size[1].saturating_sub(1) as f64 / 2.0);
+        let middle =
+            affine.at(size[0].saturating_sub(1) as f64 / 2.0, size[1].saturating_sub(1) as f64 / 2.0);
         let unit = units.ground(middle[1]);
         let step = |v: [f64; 2]| libm::hypot(v[0] * unit[0], v[1] * unit[1]);
         let cell = [step(affine.col), step(affine.row)];

@@ -127,7 +127,9 @@ impl Relief {
     /// Whether the sample nearest to a position, in steps from the north-west one, was void.
     pub fn is_void(&self, u: f64, v: f64) -> bool {
         let near = |p: f64, n: usize| p.round().clamp(0.0, (n - 1) as f64) as usize;
-        self.has_voids() && self.contains(u, v) && self.voids[near(v, self.rows) * self.cols + near(u, self.cols)]
+        self.has_voids()
+            && self.contains(u, v)
+            && self.voids[near(v, self.rows) * self.cols + near(u, self.cols)]
     }
 
     /// Whether a position lies between the samples at the border, or on them.

@@ -71,7 +71,7 @@ fn push(coarse: &Level, cols: usize, rows: usize, data: &mut [f32]) {
     // A sample lies a quarter of a coarse step from the middle of its four.
     let near = |i: usize, n: usize| {
         let k = i / 2;
-        (k, if i % 2 == 0 { k.saturating_sub(1) } else { (k + 1).min(n - 1) })
+        (k, if i.is_multiple_of(2) { k.saturating_sub(1) } else { (k + 1).min(n - 1) })
     };
     for &k in &voids {
         let ((i, i2), (j, j2)) = (near(k % cols, coarse.cols), near(k / cols, coarse.rows));
@@ -79,7 +79,7 @@ fn push(coarse: &Level, cols: usize, rows: usize, data: &mut [f32]) {
         let line = |j: usize| 0.75 * at(i, j) + 0.25 * at(i2, j);
         data[k] = 0.75 * line(j) + 0.25 * line(j2);
     }
-    let red = |k: &&usize| (*k % cols + *k / cols) % 2 == 0;
+    let red = |k: &&usize| (*k % cols + *k / cols).is_multiple_of(2);
     let (red, black): (Vec<&usize>, Vec<&usize>) = voids.iter().partition(red);
     for factor in [OVERSHOOT; SWEEPS].into_iter().chain([1.0; PLAIN]) {
         for &&k in red.iter().chain(&black) {
@@ -146,7 +146,7 @@ mod tests {
         let start: Vec<f32> = (0..n * n)
             .map(|k| match radius(k) {
                 r if r > 5.0 && r < 38.0 => f32::NAN,
-                r => (r - 5.0).max(0.0).min(50.0) * 2.0 + (k % n) as f32,
+                r => (r - 5.0).clamp(0.0, 50.0) * 2.0 + (k % n) as f32,
             })
             .collect();
         let mut got = start.clone();

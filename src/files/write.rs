@@ -134,8 +134,7 @@ pub fn encode(job: &WriteJob<'_>, out: &mut (impl Write + Seek)) -> Result<Writt
         units: Units::Length(1.0),
         cell: Some(step),
     };
-    let window =
-        Window { col: grid.col, row: grid.row, whole_cols: whole.cols, whole_rows: whole.rows };
+    let window = Window { col: grid.col, row: grid.row, whole_cols: whole.cols, whole_rows: whole.rows };
     let sidecar = Sidecar {
         position: Some([x, y]),
         sea_level: Some(terrain.sea_level),
@@ -377,7 +376,8 @@ impl Sheet<'_> {
             return self.tiff_metres(out);
         }
         let (q, written) = self.quantizer(Format::Tiff16)?;
-        let scaling = written.range.map(|[lo, _]| (q.step(), lo)).filter(|_| self.quantity != Quantity::Color);
+        let scaling =
+            written.range.map(|[lo, _]| (q.step(), lo)).filter(|_| self.quantity != Quantity::Color);
         let plain = scaling == Some((1.0, 0.0));
         let code = self.nodata.filter(|v| plain && v.fract() == 0.0 && (0.0..=65535.0).contains(v));
         if code.is_none() {
@@ -396,7 +396,9 @@ impl Sheet<'_> {
         let clipped = q.check(self.samples, self.clip)?;
         let mut written = Written { clipped, ..Written::default() };
         if self.samples.par_iter().any(|v| v.fract() != 0.0 && !v.is_nan()) {
-            written.notes.push("tiff16 without a range holds whole metres; give a range for finer steps".into());
+            written
+                .notes
+                .push("tiff16 without a range holds whole metres; give a range for finer steps".into());
         }
         let voids = self.nodata.is_some() || self.has_voids();
         let layout = self.layout(tiff::Kind::I16, voids.then_some(-32768.0), None);
@@ -432,7 +434,8 @@ impl Sheet<'_> {
     }
 
     fn asc(&self, out: &mut impl Write) -> Result<Written, WriteError> {
-        let upright = self.placement.affine.is_none_or(|a| a.is_upright() && a.col[0] > 0.0 && a.row[1] < 0.0);
+        let upright =
+            self.placement.affine.is_none_or(|a| a.is_upright() && a.col[0] > 0.0 && a.row[1] < 0.0);
         if !upright {
             return Err(unfit(Format::Asc, "a grid that is turned", "tiff can"));
         }
@@ -444,10 +447,13 @@ impl Sheet<'_> {
         out.write_all(asc::header([self.cols, self.rows], &self.placement, nodata).as_bytes())?;
         let make = |band: Band| {
             let mut text = Vec::with_capacity(band.rows * self.cols * 9);
-            (band.first_row..band.first_row + band.rows).for_each(|j| asc::append_row(self.row(j), void, &mut text));
+            (band.first_row..band.first_row + band.rows)
+                .for_each(|j| asc::append_row(self.row(j), void, &mut text));
             text
         };
-        bands::in_order(&Split::new(self.rows, self.cols * 9), &self.watch, make, |_, text| out.write_all(&text))?;
+        bands::in_order(&Split::new(self.rows, self.cols * 9), &self.watch, make, |_, text| {
+            out.write_all(&text)
+        })?;
         Ok(Written::default())
     }
 }

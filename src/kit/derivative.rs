@@ -1,7 +1,7 @@
 //! Derivatives of a field at a scale in metres.
 //!
 //! The gradient at a point is the difference of the field at `±s` along each axis over `2s`, with the scale `s` in
-//! metres [zevenbergen1987]. Where `±s` falls between samples, the field is read by Catmull-Rom interpolation; where
+//! metres \[zevenbergen1987\]. Where `±s` falls between samples, the field is read by Catmull-Rom interpolation; where
 //! `s` is a whole number of cells, it is the sample itself. So a slope says the same at every size of a build: on a
 //! window whose cell is larger than the scale, [`footprint`] asks for a refined lattice, and [`Derivative`] reads it
 //! at every k-th sample.

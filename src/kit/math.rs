@@ -5,7 +5,7 @@ pub const DEGREES: f32 = 180.0 / std::f32::consts::PI;
 
 /// The angle of a direction in radians, from −π to π, 0 for (0, 0); error below 3e-7.
 ///
-/// Cephes' polynomial for the arc tangent up to π/8 [moshier1989], with every other angle folded onto it. Both
+/// Cephes' polynomial for the arc tangent up to π/8 \[moshier1989\], with every other angle folded onto it. Both
 /// arguments must be finite.
 #[inline]
 pub fn atan2(y: f32, x: f32) -> f32 {

@@ -1,7 +1,7 @@
 //! The median over a disk.
 //!
 //! A window slides along each row; what it holds is counted by rank, in two levels, so that a step costs the rim of
-//! the disk and not its area [huang1979]. The median of counted samples is exact.
+//! the disk and not its area \[huang1979\]. The median of counted samples is exact.
 //!
 //! Wide disks are bounded, so that the time a sample does not grow without end. All is anchored at indices of the
 //! lattice, so a tile and the whole give the same bits:

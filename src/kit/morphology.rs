@@ -1,7 +1,7 @@
 //! Grey-scale dilation and erosion by a disk, and a soft edge.
 //!
 //! A disk is a stack of chords. The largest value under a chord is the larger of two overlapping runs whose length
-//! is a power of two, and these runs are found for a whole row by doubling [urbach2008]; so a sample costs a few
+//! is a power of two, and these runs are found for a whole row by doubling \[urbach2008\]; so a sample costs a few
 //! operations for each row of the disk, and the result is exact.
 
 use rayon::prelude::*;

@@ -73,7 +73,7 @@ impl<'a> Sampler<'a> {
         top + (bottom - top) * t
     }
 
-    /// Catmull-Rom spline through the sixteen samples around [catmull1974].
+    /// Catmull-Rom spline through the sixteen samples around \[catmull1974\].
     #[inline(always)]
     pub fn bicubic(&self, [u, v]: [f64; 2]) -> f32 {
         let ((i, s), (j, t)) = (self.cell(u, 0), self.cell(v, 1));

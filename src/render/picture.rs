@@ -55,7 +55,7 @@ const BRIGHTEST: f32 = 16.0;
 
 /// What the film shows of light: a straight middle, a soft toe, a shoulder that rolls off to white.
 ///
-/// The curve of [uchimura2017], with a toe that is a little harder than a straight line.
+/// The curve of \[uchimura2017\], with a toe that is a little harder than a straight line.
 fn film_curve(light: f64) -> f64 {
     const START: f64 = 0.20;
     const LENGTH: f64 = 0.36;

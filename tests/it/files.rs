@@ -36,6 +36,10 @@ pub(crate) fn there_and_back(job: &WriteJob<'_>) -> HeightFile {
 }
 
 /// A job for a value on a terrain of 10 km.
-pub(crate) fn job<'a>(value: &'a Value, format: orograph::files::Format, terrain: &'a Terrain) -> WriteJob<'a> {
+pub(crate) fn job<'a>(
+    value: &'a Value,
+    format: orograph::files::Format,
+    terrain: &'a Terrain,
+) -> WriteJob<'a> {
     WriteJob::new(value, format, terrain, *value.grid())
 }

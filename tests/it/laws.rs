@@ -18,7 +18,8 @@ use crate::kinds::registry;
 /// A folder with a small height file, for the kinds that read one.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
-    let mut text = String::from("ncols 20\nnrows 13\nxllcorner 0\nyllcorner 0\ncellsize 200\nNODATA_value -9999\n");
+    let mut text =
+        String::from("ncols 20\nnrows 13\nxllcorner 0\nyllcorner 0\ncellsize 200\nNODATA_value -9999\n");
     for r in 0..13 {
         let row: Vec<String> = (0..20).map(|c| ((c * 7 + r * 13) % 29 * 10).to_string()).collect();
         text += &(row.join(" ") + "\n");
@@ -47,7 +48,9 @@ fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> Graph {
     let mut inputs = Map::new();
     for (i, port) in kind.inputs().enumerate().filter(|(_, p)| p.name != "mask" || mask.is_none()) {
         let wanted = match port.wire {
-            WireType::Field => ["first.field", "second.field", "share.field"][if is_share(port.name) { 2 } else { i % 2 }],
+            WireType::Field => {
+                ["first.field", "second.field", "share.field"][if is_share(port.name) { 2 } else { i % 2 }]
+            }
             WireType::Vectors => "turns.vectors",
             WireType::Colors => "tints.colors",
         };
@@ -82,7 +85,12 @@ fn is_share(port: &str) -> bool {
 }
 
 /// All outputs of the node, or the first failure.
-fn outputs(engine: &Engine, graph: &Graph, kind: &Kind, grid: Grid) -> Result<BTreeMap<&'static str, Value>, String> {
+fn outputs(
+    engine: &Engine,
+    graph: &Graph,
+    kind: &Kind,
+    grid: Grid,
+) -> Result<BTreeMap<&'static str, Value>, String> {
     let node = graph.find("node").unwrap();
     let wants: Vec<Want> = kind.outputs.iter().map(|p| Want { node, port: p.name, grid }).collect();
     let all = engine.evaluate(graph, &wants, &Unobserved, &Cancel::default()).map_err(|e| e.to_string())?;
@@ -107,7 +115,9 @@ fn every_kind_is_documented() {
             bad.push(format!("{}: no page", kind.id));
         }
         let ports = kind.inputs().chain(kind.outputs);
-        bad.extend(ports.filter(|p| p.doc.len() < 10).map(|p| format!("{}: port {} has no words", kind.id, p.name)));
+        bad.extend(
+            ports.filter(|p| p.doc.len() < 10).map(|p| format!("{}: port {} has no words", kind.id, p.name)),
+        );
         faults(kind.id, kind.params(), true, &mut bad);
         if kind.meta.keywords.is_empty() {
             bad.push(format!("{}: no keywords", kind.id));
@@ -148,7 +158,8 @@ fn faults(kind: &str, params: &[Param], top: bool, bad: &mut Vec<String>) {
             say(format!("the default {e}"));
         }
         if let Shape::Choice(modes) = &p.shape {
-            let undocumented: Vec<_> = modes.iter().filter(|m| m.doc.len() < 5).map(|m| m.name.clone()).collect();
+            let undocumented: Vec<_> =
+                modes.iter().filter(|m| m.doc.len() < 5).map(|m| m.name.clone()).collect();
             if !undocumented.is_empty() {
                 say(format!("modes without words: {}", undocumented.join(", ")));
             }
@@ -226,7 +237,12 @@ fn every_allowed_parameter_gives_finite_fields_or_a_clear_refusal() {
                 let result = outputs(&engine(2), &g, kind, grid(&g, 17));
                 if let Err(e) = result {
                     // Only parameters that do not fit each other may be refused, by name.
-                    assert!(e.contains("parameter `") && !e.contains("bug"), "{}.{} = {value}: {e}", kind.id, p.name);
+                    assert!(
+                        e.contains("parameter `") && !e.contains("bug"),
+                        "{}.{} = {value}: {e}",
+                        kind.id,
+                        p.name
+                    );
                 }
                 tried += 1;
             }
@@ -249,7 +265,11 @@ fn every_mixing_kind_keeps_its_input_where_the_mask_is_0_and_takes_the_result_wh
             let source = g.source(g.find("node").unwrap(), input).unwrap();
             let want = Want { node: source.node, port: source.port, grid: grid(&g, 65) };
             let before = engine(1).evaluate(&g, &[want], &Unobserved, &Cancel::default()).unwrap();
-            assert!(bits(&none[output]) == bits(before.values[0].as_ref().unwrap()), "{} where the mask is 0", kind.id);
+            assert!(
+                bits(&none[output]) == bits(before.values[0].as_ref().unwrap()),
+                "{} where the mask is 0",
+                kind.id
+            );
             assert!(bits(&all[output]) == bits(&plain[output]), "{} where the mask is 1", kind.id);
         }
         tried += 1;
@@ -278,7 +298,9 @@ fn point_kinds_are_equal_to_the_bit_at_every_size() {
                         assert!(
                             c.at(i, j).to_bits() == f.at(i * k, j * k).to_bits(),
                             "{}.{port} at ({i}, {j}), {factor} times as fine: {} and {}",
-                            kind.id, c.at(i, j), f.at(i * k, j * k)
+                            kind.id,
+                            c.at(i, j),
+                            f.at(i * k, j * k)
                         );
                     }
                 }

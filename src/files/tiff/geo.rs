@@ -60,7 +60,8 @@ fn metres(unit: u16) -> Option<f64> {
 pub(super) fn placement(directory: &Directory<'_>, size: [usize; 2]) -> Placement {
     let keys = Keys::of(directory);
     let anchor = if keys.code(key::RASTER_TYPE) == Some(2) { Anchor::Point } else { Anchor::Area };
-    let epsg = keys.code(key::PROJECTED).or(keys.code(key::GEOGRAPHIC)).filter(|e| (1024..USER_DEFINED).contains(e));
+    let epsg =
+        keys.code(key::PROJECTED).or(keys.code(key::GEOGRAPHIC)).filter(|e| (1024..USER_DEFINED).contains(e));
     let epsg = epsg.map(u32::from);
     let known = epsg.and_then(Units::of_epsg);
     let Some(affine) = affine(directory, anchor) else {

@@ -34,8 +34,7 @@ pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<HeightFile, Fault> {
         origin.range = top.map(|top| [summand, summand + factor * top]).filter(|[lo, hi]| lo < hi);
         data.par_iter_mut().for_each(|v| *v = (f64::from(*v) * factor + summand) as f32);
     }
-    let mut file =
-        HeightFile { cols: layout.cols, rows: layout.rows, data, metres: true, placement, origin };
+    let mut file = HeightFile { cols: layout.cols, rows: layout.rows, data, metres: true, placement, origin };
     north_up(&mut file);
     Ok(file)
 }
@@ -156,9 +155,8 @@ struct Scratch {
 
 impl<'a> Layout<'a> {
     fn of(directory: &Directory<'a>, length: usize, limits: &Limits) -> Result<Self, Fault> {
-        let need = |t: u16, name: &str| {
-            directory.number(t).ok_or_else(|| Fault::Damaged(format!("no tag {name}")))
-        };
+        let need =
+            |t: u16, name: &str| directory.number(t).ok_or_else(|| Fault::Damaged(format!("no tag {name}")));
         let or = |t: u16, default: u64| directory.number(t).unwrap_or(default);
         let (cols, rows) = (need(tag::WIDTH, "ImageWidth")?, need(tag::LENGTH, "ImageLength")?);
         limits.samples(cols, rows)?;
@@ -210,7 +208,8 @@ impl<'a> Layout<'a> {
         let offsets = directory.numbers(offsets).ok_or_else(|| Fault::damaged("no strips and no tiles"))?;
         let counts = directory.numbers(counts);
         let (across, down) = (cols.div_ceil(chunk[0]), rows.div_ceil(chunk[1]));
-        if (offsets.len() as u64) < across * down || counts.is_some_and(|c| (c.len() as u64) < across * down) {
+        if (offsets.len() as u64) < across * down || counts.is_some_and(|c| (c.len() as u64) < across * down)
+        {
             let found = offsets.len().min(counts.map_or(usize::MAX, |c| c.len()));
             return Err(Fault::Damaged(format!("{found} strips or tiles where {} should be", across * down)));
         }
@@ -237,7 +236,13 @@ impl<'a> Layout<'a> {
     }
 
     /// Fills the rows of the `j`-th line of chunks.
-    fn read_chunks(&self, bytes: &[u8], j: usize, out: &mut [f32], scratch: &mut Scratch) -> Result<(), Fault> {
+    fn read_chunks(
+        &self,
+        bytes: &[u8],
+        j: usize,
+        out: &mut [f32],
+        scratch: &mut Scratch,
+    ) -> Result<(), Fault> {
         let rows = out.len() / self.cols;
         for i in 0..self.across {
             let first = i * self.chunk[0];
@@ -340,15 +345,25 @@ impl<'a> Layout<'a> {
         match self.kind {
             SampleKind::U8 => self.convert(row, n, out, |[b]: [u8; 1]| f64::from(b)),
             SampleKind::I8 => self.convert(row, n, out, |[b]: [u8; 1]| f64::from(b as i8)),
-            SampleKind::U16 => self.convert(row, n, out, |b| f64::from(u16::from_le_bytes(native(b, little)))),
-            SampleKind::I16 => self.convert(row, n, out, |b| f64::from(i16::from_le_bytes(native(b, little)))),
-            SampleKind::U32 => self.convert(row, n, out, |b| f64::from(u32::from_le_bytes(native(b, little)))),
-            SampleKind::I32 => self.convert(row, n, out, |b| f64::from(i32::from_le_bytes(native(b, little)))),
+            SampleKind::U16 => {
+                self.convert(row, n, out, |b| f64::from(u16::from_le_bytes(native(b, little))))
+            }
+            SampleKind::I16 => {
+                self.convert(row, n, out, |b| f64::from(i16::from_le_bytes(native(b, little))))
+            }
+            SampleKind::U32 => {
+                self.convert(row, n, out, |b| f64::from(u32::from_le_bytes(native(b, little))))
+            }
+            SampleKind::I32 => {
+                self.convert(row, n, out, |b| f64::from(i32::from_le_bytes(native(b, little))))
+            }
             SampleKind::F16 => {
                 let of = |b| f64::from(f16::from_bits(u16::from_le_bytes(native(b, little))).to_f32());
                 self.convert(row, n, out, of);
             }
-            SampleKind::F32 => self.convert(row, n, out, |b| f64::from(f32::from_le_bytes(native(b, little)))),
+            SampleKind::F32 => {
+                self.convert(row, n, out, |b| f64::from(f32::from_le_bytes(native(b, little))))
+            }
             SampleKind::F64 => self.convert(row, n, out, |b| f64::from_le_bytes(native(b, little))),
         }
     }
@@ -364,7 +379,7 @@ impl<'a> Layout<'a> {
         for (o, b) in out.iter_mut().zip(samples.iter().step_by(n)) {
             let v = of(*b);
             let narrow = if self.kind == SampleKind::F64 { f64::from(v as f32) } else { v };
-            let void = v == nodata || narrow == nodata || !(v.abs() <= 1e30);
+            let void = v == nodata || narrow == nodata || v.is_nan() || v.abs() > 1e30;
             *o = if void { f32::NAN } else { v as f32 };
         }
     }

@@ -92,7 +92,11 @@ pub(crate) fn write(
     let end = out.stream_position()?;
     out.seek(SeekFrom::Start(start + header.len() as u64))?;
     // A file that is not big holds less than 4 GB: nothing is cut off.
-    if big { out.write_all(&at.to_le_bytes())? } else { out.write_all(&(at as u32).to_le_bytes())? }
+    if big {
+        out.write_all(&at.to_le_bytes())?
+    } else {
+        out.write_all(&(at as u32).to_le_bytes())?
+    }
     out.seek(SeekFrom::Start(end))?;
     Ok(())
 }

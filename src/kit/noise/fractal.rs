@@ -30,7 +30,7 @@ pub enum Form {
         base: f32,
     },
     /// `Σ q^k n` with `q = r^(R − 1)`, `r` the lacunarity and `R` the roughness of the sample: not divided by the
-    /// sum of weights [hnaidi2010, section 4.3].
+    /// sum of weights \[hnaidi2010, section 4.3\].
     Rough,
 }
 

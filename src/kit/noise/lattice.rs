@@ -207,7 +207,7 @@ fn corner(col: u32, row: u32, x: f32, y: f32) -> f32 {
     gx * x + gy * y
 }
 
-/// The quintic `6 t⁵ − 15 t⁴ + 10 t³`, from 0 to 1, whose first two derivatives vanish at both ends [perlin2002]; written
+/// The quintic `6 t⁵ − 15 t⁴ + 10 t³`, from 0 to 1, whose first two derivatives vanish at both ends \[perlin2002\]; written
 /// around the middle, where its terms are small and their rounding does not show.
 #[inline(always)]
 fn fade(t: f32) -> f32 {

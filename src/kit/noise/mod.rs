@@ -2,9 +2,9 @@
 //!
 //! # Theory
 //! [`perlin`](lattice::perlin) noise hangs a random slope on every corner of a square lattice and blends the four
-//! of a cell with a quintic weight, so that value, slope and curvature are continuous [perlin2002]. Sums of it over
-//! octaves, each finer and weaker, make the fractals of [`Fractal`] [ebert2003]; [`Worley`] measures the distance to
-//! random points, one in each cell [worley1996].
+//! of a cell with a quintic weight, so that value, slope and curvature are continuous \[perlin2002\]. Sums of it over
+//! octaves, each finer and weaker, make the fractals of [`Fractal`] \[ebert2003\]; [`Worley`] measures the distance to
+//! random points, one in each cell \[worley1996\].
 //!
 //! # The lattice
 //! Every octave has a lattice of its own, turned by a random angle and shifted by a random offset (both from a hash

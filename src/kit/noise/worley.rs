@@ -29,7 +29,7 @@ pub enum Measure {
     CellValue,
 }
 
-/// Cellular noise after Worley, with one point in each cell [worley1996].
+/// Cellular noise after Worley, with one point in each cell \[worley1996\].
 ///
 /// The search is exact: a point is skipped only when no sample of the cell can have it among its nearest one (twelve
 /// cells are searched) or two (twenty-four), whatever metric and jitter.

@@ -12,7 +12,10 @@ pub(crate) fn folder(test: &str) -> Option<PathBuf> {
     if folder.join("index.json").is_file() {
         return Some(folder);
     }
-    eprintln!("SKIPPED: {test}: no elevation models at {}; set OROGRAPH_DEM to their folder", folder.display());
+    eprintln!(
+        "SKIPPED: {test}: no elevation models at {}; set OROGRAPH_DEM to their folder",
+        folder.display()
+    );
     None
 }
 

@@ -25,7 +25,12 @@ fn node(placement: Placing) -> ImportHeight {
     ImportHeight { file: FilePath("a.tif".into()), placement, ..ImportHeight::default() }
 }
 
-fn run(node: &ImportHeight, files: &[Arc<SourceFile>], terrain: &Terrain, grid: Grid) -> Result<Outputs, Error> {
+fn run(
+    node: &ImportHeight,
+    files: &[Arc<SourceFile>],
+    terrain: &Terrain,
+    grid: Grid,
+) -> Result<Outputs, Error> {
     let cancel = Cancel::default();
     node.run(&Context { files, ..Context::bare(grid, terrain, &cancel) }, Inputs {})
 }
@@ -47,7 +52,8 @@ fn samples_that_coincide_are_the_file_to_the_bit() {
         assert_eq!(v.to_bits(), rough(k % 33, k / 33).to_bits());
     }
     for size in [65, 97, 129] {
-        let fine = run(&node(Placing::Stretch), &files, &terrain, terrain.grid(size).expect("fits")).expect("runs");
+        let fine =
+            run(&node(Placing::Stretch), &files, &terrain, terrain.grid(size).expect("fits")).expect("runs");
         let step = i64::from(size - 1) / 32;
         for k in 0..33 * 33i64 {
             let (i, j) = (k % 33, k / 33);
@@ -70,7 +76,11 @@ fn a_window_is_the_crop_of_the_whole() {
                 let window = Grid::between(whole.lattice, corner, [corner[0] + 23, corner[1] + 17]);
                 let small = run(&node, &files, &terrain, window).expect("runs");
                 let same = |a: &Field, b: &Field| {
-                    a.data().iter().map(|v| v.to_bits()).eq(b.crop(&window).data().iter().map(|v| v.to_bits()))
+                    a.data().iter().map(|v| v.to_bits()).eq(b
+                        .crop(&window)
+                        .data()
+                        .iter()
+                        .map(|v| v.to_bits()))
                 };
                 assert!(same(&small.height, &big.height), "{placement:?} {interpolation:?} at {corner:?}");
                 assert!(same(&small.inside, &big.inside));
@@ -89,7 +99,8 @@ fn true_size_turns_about_the_middle() {
     for (angle, dx, dy) in [(0.0, 0.0, 0.0), (0.0, 120.0, -80.0), (90.0, 5.0, 9.0), (-37.0, -60.0, 44.0)] {
         let placing = Placing::TrueSize { x: Metres(dx), y: Metres(dy), rotation: Degrees(angle) };
         for interpolation in [Interpolation::Cubic, Interpolation::Linear] {
-            let out = run(&ImportHeight { interpolation, ..node(placing) }, &files, &terrain, grid).expect("runs");
+            let out =
+                run(&ImportHeight { interpolation, ..node(placing) }, &files, &terrain, grid).expect("runs");
             let mut inside = 0;
             for k in 0..grid.len() {
                 let (x, y) = (grid.x(k % 101) - 500.0 - dx, grid.y(k / 101) - 500.0 - dy);
@@ -176,7 +187,12 @@ fn voids_are_closed_and_come_out_as_a_mask() {
         assert!((out.height.data()[k] - plane).abs() < 3.0, "{} at ({i}, {j})", out.height.data()[k]);
     }
     let fill = Fill::Level { height: Metres(-5.0) };
-    let level = ImportHeight { fill, height_scale: Number(2.0), height_offset: Metres(1.0), ..node(Placing::Stretch) };
+    let level = ImportHeight {
+        fill,
+        height_scale: Number(2.0),
+        height_offset: Metres(1.0),
+        ..node(Placing::Stretch)
+    };
     let out = run(&level, &files, &terrain, grid).expect("runs");
     for k in 0..grid.len() {
         let want = match void(k) {
@@ -200,7 +216,8 @@ fn open(file: &SourceFile) -> HeightFile {
 fn the_sidecar_gives_metres() {
     let value = heights(9, 9, |k| k as f32);
     let terrain = square(80.0);
-    let written = orograph::files::WriteJob { range: Some([-100.0, 200.0]), ..job(&value, Format::Png16, &terrain) };
+    let written =
+        orograph::files::WriteJob { range: Some([-100.0, 200.0]), ..job(&value, Format::Png16, &terrain) };
     let (bytes, sidecar) = write(&written);
     let both = [source("a.png", bytes), source("a.json", sidecar.expect("has one"))];
     let node = ImportHeight { file: FilePath("a.png".into()), ..node(Placing::Stretch) };
@@ -221,7 +238,8 @@ fn the_spline_is_smoother_than_planes() {
     let terrain = square(64.0);
     let grid = terrain.grid(64 * 5 + 1).expect("fits");
     let worst = |interpolation| {
-        let out = run(&ImportHeight { interpolation, ..node(Placing::Stretch) }, &files, &terrain, grid).expect("runs");
+        let out = run(&ImportHeight { interpolation, ..node(Placing::Stretch) }, &files, &terrain, grid)
+            .expect("runs");
         let off = |k: usize| {
             let (i, j) = (k % grid.cols, k / grid.cols);
             // The natural end of the spline bends differently; a few cells inside it no longer matters.

@@ -3,9 +3,8 @@
 use std::io::Cursor;
 
 use orograph::files::{
-    Affine, Anchor, FileJob, Format, HeightFile, Limits, Target, Tile, Units, WriteError,
-    WriteJob, encode, encode_file,
-    read_height,
+    Affine, Anchor, FileJob, Format, HeightFile, Limits, Target, Tile, Units, WriteError, WriteJob, encode,
+    encode_file, read_height,
 };
 use orograph::kit::hash;
 use orograph::value::{Colors, Field, Geo, Quantity, Terrain, Value, Vectors};
@@ -54,10 +53,7 @@ fn integers_come_back_to_the_step() {
         for (cols, rows) in SIZES {
             let level = |k: usize| (hash::nth(2, k as u64) % (levels as u64 + 1)) as f64;
             let value = heights(cols, rows, |k| (range[0] + level(k) * step) as f32);
-            let back = there_and_back(&WriteJob {
-                range: Some(range),
-                ..job(&value, format, &terrain)
-            });
+            let back = there_and_back(&WriteJob { range: Some(range), ..job(&value, format, &terrain) });
             assert_eq!((back.cols, back.rows), (cols, rows));
             assert!(back.metres);
             for (k, (a, b)) in back.data.iter().zip(value.components()).enumerate() {
@@ -123,13 +119,15 @@ fn pictures_hold_colours() {
     }
     let (bytes, _) = write(&job(&value, Format::Exr, &terrain));
     let image = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
-    let image = image.first_valid_layer().all_attributes().from_buffered(Cursor::new(bytes)).expect("decodes");
+    let image =
+        image.first_valid_layer().all_attributes().from_buffered(Cursor::new(bytes)).expect("decodes");
     let names: Vec<_> = image.layer_data.channel_data.list.iter().map(|c| c.name.to_string()).collect();
     assert_eq!(names, ["B", "G", "R"]);
     let red: Vec<f32> = image.layer_data.channel_data.list[2].sample_data.values_as_f32().collect();
     for (got, p) in red.iter().zip(colors.data()) {
         // IEC 61966-2-1: 0.5 is 0.2140 of the light, and so on; here against the inverse.
-        let back = if *got <= 0.003_130_8 { got * 12.92 } else { 1.055 * libm::powf(*got, 1.0 / 2.4) - 0.055 };
+        let back =
+            if *got <= 0.003_130_8 { got * 12.92 } else { 1.055 * libm::powf(*got, 1.0 / 2.4) - 0.055 };
         assert!((back - p[0]).abs() < 1e-5);
     }
 }
@@ -159,7 +157,8 @@ fn masks_have_their_range_and_heights_need_one() {
     assert_eq!((back.data[0], back.data[3]), (0.0, 1.0));
     let value = heights(4, 4, |k| k as f32);
     for format in [Format::Png8, Format::Png16, Format::R16] {
-        let error = encode(&job(&value, format, &terrain), &mut Cursor::new(Vec::new())).expect_err("no range");
+        let error =
+            encode(&job(&value, format, &terrain), &mut Cursor::new(Vec::new())).expect_err("no range");
         assert!(error.to_string().contains("needs a range"), "{error}");
     }
 }
@@ -168,8 +167,7 @@ fn masks_have_their_range_and_heights_need_one() {
 fn clipping_is_an_error_unless_allowed() {
     let terrain = Terrain::default();
     let value = heights(10, 10, |k| k as f32);
-    let strict =
-        WriteJob { range: Some([10.0, 90.0]), ..job(&value, Format::Png16, &terrain) };
+    let strict = WriteJob { range: Some([10.0, 90.0]), ..job(&value, Format::Png16, &terrain) };
     let mut out = Cursor::new(Vec::new());
     let error = encode(&strict, &mut out).expect_err("19 are outside");
     assert!(error.to_string().contains("19 of 100"), "{error}");
@@ -266,11 +264,8 @@ fn unreal_takes_32768_for_zero() {
     let notes = encode(&unreal, &mut Cursor::new(Vec::new())).expect("writes").notes;
     assert!(notes.len() == 1 && notes[0].contains("location Z = 0"), "{notes:?}");
     let small = heights(500, 505, |_| 1.0);
-    let odd = WriteJob {
-        range: Some(range),
-        target: Some(Target::Unreal),
-        ..job(&small, Format::R16, &terrain)
-    };
+    let odd =
+        WriteJob { range: Some(range), target: Some(Target::Unreal), ..job(&small, Format::R16, &terrain) };
     let notes = encode(&odd, &mut Cursor::new(Vec::new())).expect("writes").notes;
     assert!(notes[0].contains("500 x 505"), "{notes:?}");
 }
@@ -303,7 +298,10 @@ fn converting_keeps_numbers_place_and_voids() {
     ] {
         let file = open("p.tif", bytes);
         let back = convert(&file, Format::Tiff).placement;
-        assert_eq!((back.epsg, back.anchor, back.units), (file.placement.epsg, file.placement.anchor, file.placement.units));
+        assert_eq!(
+            (back.epsg, back.anchor, back.units),
+            (file.placement.epsg, file.placement.anchor, file.placement.units)
+        );
         let (a, b) = (file.placement.affine.expect("has one"), back.affine.expect("kept"));
         for (i, j) in [(0.0, 0.0), (20.0, 12.0)] {
             let d = [0, 1].map(|k| (a.at(i, j)[k] - b.at(i, j)[k]).abs());
