@@ -7,7 +7,6 @@
 //!
 //! This is done by hand rather than by a crate because tests must be able to force a level (`multiversion` hides its
 //! choice) and because kernels that the compiler vectorises need no vector types (`pulp`, `wide`, `fearless_simd`).
-//! Kernels that need no forced level may use `multiversion`.
 
 use std::fmt;
 use std::sync::OnceLock;
