@@ -23,11 +23,16 @@ macro_rules! registry {
 registry! {
     /// Makes fields from nothing.
     generate {
+        cellular_noise: CellularNoise,
         constant: Constant,
+        fractal_noise: FractalNoise,
+        gradient: Gradient,
+        multifractal: Multifractal,
     }
 
     /// Reads height files.
     files {
+        import_height: ImportHeight,
     }
 
     /// Puts two fields together.

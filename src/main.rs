@@ -1,3 +1,5 @@
 //! The `orograph` program: hands over to the command line.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    orograph::cli::main()
+}

@@ -456,7 +456,8 @@ impl Kind {
 
     /// The manual page: the doc comment of the struct.
     pub fn doc(&self) -> String {
-        self.schema()["description"].as_str().unwrap_or_default().to_owned()
+        // Citations are escaped in the source, where rustdoc would take them for links.
+        self.schema()["description"].as_str().unwrap_or_default().replace("\\[", "[").replace("\\]", "]")
     }
 
     /// The parameters as data, read from the schema once.

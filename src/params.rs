@@ -48,18 +48,18 @@ pub enum Shape {
     /// A list of values of one shape.
     List {
         /// The shape of an item.
-        item: Box<Shape>,
+        item: Box<Self>,
         /// Fewest items.
         min: usize,
         /// Most items.
         max: usize,
     },
     /// A fixed sequence of values.
-    Tuple(Vec<Shape>),
+    Tuple(Vec<Self>),
     /// Named values.
     Record(Vec<Param>),
     /// A value or null.
-    Optional(Box<Shape>),
+    Optional(Box<Self>),
     /// A schema this module does not know; the tests refuse a kind that has one.
     Unknown,
 }

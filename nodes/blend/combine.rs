@@ -107,7 +107,7 @@ impl Node for Combine {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        Cost::per_sample(grid, if self.mode == Mode::Power { 40.0 } else { 1.5 })
+        Cost::per_sample(grid, if self.mode == Mode::Power { 40.0 } else { 2.0 })
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
@@ -120,11 +120,11 @@ impl Node for Combine {
             Mode::Min => self.apply(cx, &input, quantity, f32::min),
             Mode::Max => self.apply(cx, &input, quantity, f32::max),
             Mode::SmoothMin { width } => {
-                let width = width.0 as f32;
+                let width = with_quarter(width);
                 self.apply(cx, &input, quantity, move |a, b| smooth_min(a, b, width))
             }
             Mode::SmoothMax { width } => {
-                let width = width.0 as f32;
+                let width = with_quarter(width);
                 self.apply(cx, &input, quantity, move |a, b| -smooth_min(-a, -b, width))
             }
             Mode::Average => self.apply(cx, &input, quantity, |a, b| a * 0.5 + b * 0.5),
@@ -168,21 +168,27 @@ impl Combine {
 }
 
 /// The divisor, kept away from zero on its own side.
-#[inline]
+#[inline(always)]
 fn away_from_zero(b: f32) -> f32 {
     if b < 0.0 { b.min(-NEAR_ZERO) } else { b.max(NEAR_ZERO) }
 }
 
-/// The lower of two, a parabola where they differ by less than `width` (Quilez's polynomial smooth minimum).
-#[inline]
-fn smooth_min(a: f32, b: f32, width: f32) -> f32 {
+/// The lower of two, a parabola where they differ by less than `width` (Quilez's polynomial smooth minimum);
+/// `per_width` is a quarter over it.
+#[inline(always)]
+fn smooth_min(a: f32, b: f32, [width, per_width]: [f32; 2]) -> f32 {
     let near = (width - (a - b).abs()).max(0.0);
     // A quotient first: the square of a large width has no place in an f32.
-    let share = near / width.max(f32::MIN_POSITIVE);
-    a.min(b) - 0.25 * share * near
+    a.min(b) - near * per_width * near
 }
 
-#[inline]
+/// A width and a quarter over it; over nothing where it is too small to divide by.
+fn with_quarter(width: Number) -> [f32; 2] {
+    let width = width.0 as f32;
+    [width, if width > 1e-30 { 0.25 / width } else { 0.0 }]
+}
+
+#[inline(always)]
 fn signed_power(a: f32, b: f32) -> f32 {
     let base = if b < 0.0 { a.abs().max(NEAR_ZERO) } else { a.abs() };
     libm::powf(base, b).copysign(a)

@@ -4,12 +4,12 @@ use crate::prelude::*;
 
 /// Takes one of up to eight fields, by number.
 ///
-/// Expose `choice` to let a graph offer variants. The inputs that are not taken need not be computed: they have no
-/// part in the result.
+/// Expose `choice` to let a graph offer variants. The inputs that are not taken are not computed:
+/// they have no part in the result.
 ///
 /// # See also
 /// `mix` to blend two of them.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Switch {
     /// Which input is taken: 0 for `a`, 1 for `b`, up to 7 for `h`.
@@ -17,16 +17,10 @@ pub struct Switch {
     pub choice: u32,
 }
 
-impl Default for Switch {
-    fn default() -> Self {
-        Self { choice: 0 }
-    }
-}
-
 ports! {
     pub struct Inputs {
         /// Taken when `choice` is 0.
-        a: Field,
+        a: Option<Field>,
         /// Taken when `choice` is 1.
         b: Option<Field>,
         /// Taken when `choice` is 2.
@@ -67,9 +61,8 @@ impl Node for Switch {
         Reach::Point
     }
 
-    /// Nothing of the inputs that are not taken.
-    fn footprint(&self, port: &str, window: &Grid, _: &Terrain) -> Grid {
-        if port == self.taken() { *window } else { Grid { cols: 0, rows: 0, ..*window } }
+    fn uses(&self, port: &str) -> bool {
+        port == self.taken()
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
@@ -81,7 +74,7 @@ impl Node for Switch {
         let port = self.taken();
         let missing =
             || Error::Input { port, message: format!("is not connected, and `choice` is {}", self.choice) };
-        let field = [Some(a), b, c, d, e, f, g, h].into_iter().nth(self.choice.min(7) as usize).flatten();
+        let field = [a, b, c, d, e, f, g, h].into_iter().nth(self.choice.min(7) as usize).flatten();
         Ok(Outputs { field: field.ok_or_else(missing)?.crop(&cx.grid) })
     }
 }

@@ -9,7 +9,7 @@ use crate::prelude::*;
 /// parts stay flat, and heights that rise evenly stay as they are.
 ///
 /// # Differs from the paper
-/// Radii above six cells are taken on a lattice that is coarser by a power of two [burt1983], with cubic B-splines
+/// Radii above six cells are taken on a lattice that is coarser by a power of two \[burt1983\], with cubic B-splines
 /// on the way there and back; the result lies within 1e-4 of the field's range of the direct sum.
 ///
 /// # Limits

@@ -11,7 +11,7 @@ use crate::prelude::*;
 ///
 /// With `t = (x − low) / (high − low)` and the curve `c`, the result is `low + c(t) · (high − low)`: the field keeps
 /// its range and its unit. The curve is made of cubic pieces that are smooth where they meet and rise and fall only
-/// where the points do [fritsch1984]. Beyond the first and the last point it goes on straight.
+/// where the points do \[fritsch1984\]. Beyond the first and the last point it goes on straight.
 ///
 /// # See also
 /// `remap` to change the range, `terrace` for steps.
@@ -59,7 +59,7 @@ impl Node for Curve {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        Cost::per_sample(grid, 20.0)
+        Cost { bytes: 1 << 12, ..Cost::per_sample(grid, 20.0) }
     }
 
     fn check(&self) -> Result<()> {

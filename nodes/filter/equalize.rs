@@ -8,12 +8,12 @@ use crate::prelude::*;
 
 /// Spreads values evenly over their range: every band of heights gets the same area.
 ///
-/// A value becomes `low + (high − low) · F(x)`, where `F` is the share of the whole terrain that lies below it, from
-/// a histogram of 256 bins on the base grid, smoothed a little, and joined by a curve that rises everywhere
-/// [fritsch1984]. Values beyond the range of the base grid keep their distance from it.
+/// A value becomes `low + (high − low) · F(x)`, where `F` is the share of the whole terrain that lies below it: read
+/// on the base grid at the heights that cut its area into 128 equal parts, and joined by a curve that rises
+/// everywhere \[fritsch1984\]. Values beyond the range of the base grid keep their distance from it.
 ///
 /// # Limits
-/// A flat field stays as it is. A flat part, such as a lake, keeps one value, and leaves a gap beside it.
+/// A flat field stays as it is. A flat part, such as a lake, keeps one value, and its shore grows steep.
 ///
 /// # See also
 /// `curve` for a transfer drawn by hand.
@@ -41,7 +41,12 @@ ports! {
     }
 }
 
-const BINS: usize = 256;
+/// Bins of the histogram.
+const BINS: usize = 1 << 14;
+/// Parts of equal area between the points of the transfer.
+const PARTS: usize = 128;
+/// Least distance between points of the transfer, in bins: limits how steep it can grow over a flat part.
+const APART: usize = 8;
 
 impl Node for Equalize {
     type In = Inputs;
@@ -61,14 +66,14 @@ impl Node for Equalize {
         Cost { bytes: 1 << 14, ..Cost::per_sample(grid, 25.0) }
     }
 
-    /// Lowest and highest value, then the share below each of the edges between bins.
+    /// Lowest and highest value, then the points of the transfer: shares of the range, each with that of the area below.
     fn summary(&self) -> Option<fn(&Self, &Context<'_>, &Inputs) -> Result<Summary>> {
         (self.strength.0 > 0.0).then_some(|_, cx, input| {
             cx.check()?;
             let field = input.field.crop(&cx.grid);
             let range = stats::range(&field, 0.0);
-            let shares = shares(&stats::histogram(&field, range, BINS));
-            Ok(Summary(range.into_iter().chain(shares).collect()))
+            let points = transfer(&stats::histogram(&field, range, BINS));
+            Ok(Summary(range.into_iter().chain(points.into_iter().flatten()).collect()))
         })
     }
 
@@ -79,9 +84,8 @@ impl Node for Equalize {
             return unchanged(field);
         }
         let [low, high] = stats::summary_range(cx)?;
-        let edges = cx.summary()?.0.iter().skip(2).enumerate();
-        let points: Vec<_> = edges.map(|(i, &share)| [i as f64 / BINS as f64, share]).collect();
-        let (Some(curve), true) = (Monotone::through(&points), high > low) else { return unchanged(field) };
+        let points = cx.summary()?.0.get(2..).unwrap_or_default().as_chunks::<2>().0;
+        let (Some(curve), true) = (Monotone::through(points), high > low) else { return unchanged(field) };
         let (width, strength) = (high - low, self.strength.0);
         let field = map(cx, &field, quantity, |x| {
             let t = (f64::from(x) - low) / width;
@@ -92,20 +96,20 @@ impl Node for Equalize {
     }
 }
 
-/// The share of samples below each bin edge, from 0 to 1, of counts that two passes of 1 2 1 have smoothed.
-fn shares(counts: &[u64]) -> Vec<f64> {
-    let smooth = |c: &[f64]| -> Vec<f64> {
-        let at = |i: usize| c[i.min(c.len() - 1)];
-        (0..c.len()).map(|i| 0.25 * at(i.saturating_sub(1)) + 0.5 * c[i] + 0.25 * at(i + 1)).collect()
-    };
-    let raw: Vec<f64> = counts.iter().map(|&n| n as f64).collect();
-    let smoothed = smooth(&smooth(&raw));
-    let total: f64 = smoothed.iter().sum();
-    let mut below = 0.0;
-    let mut shares = vec![0.0];
-    shares.extend(smoothed.iter().map(|n| {
+/// Points of the transfer from (0, 0) to (1, 1), between parts of about equal area.
+fn transfer(counts: &[u64]) -> Vec<[f64; 2]> {
+    let total = counts.iter().sum::<u64>().max(1);
+    let (mut below, mut last, mut points) = (0, 0, vec![[0.0, 0.0]]);
+    for (i, n) in counts.iter().enumerate() {
         below += n;
-        (below / total.max(1.0)).min(1.0)
-    }));
-    shares
+        let (edge, parts) = (i + 1, below * PARTS as u64 / total);
+        let before = points.last().map_or(0.0, |p| p[1]);
+        let passed = parts > (before * PARTS as f64) as u64;
+        if passed && edge >= last + APART && edge + APART <= counts.len() {
+            points.push([edge as f64 / counts.len() as f64, below as f64 / total as f64]);
+            last = edge;
+        }
+    }
+    points.push([1.0, 1.0]);
+    points
 }

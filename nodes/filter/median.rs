@@ -5,7 +5,7 @@ use crate::prelude::*;
 
 /// Takes the middle value of the surroundings: removes spikes, pits and noise and keeps edges.
 ///
-/// Each value becomes the median of the samples within `radius` of it, its own included [huang1979].
+/// Each value becomes the median of the samples within `radius` of it, its own included \[huang1979\].
 ///
 /// # Limits
 /// A radius below a cell does nothing. Up to 32 cells each sample has its exact median; above, every second, third, …

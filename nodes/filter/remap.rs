@@ -8,7 +8,7 @@ use crate::prelude::*;
 
 /// Brings a range of values into another: levels.
 ///
-/// `t = (x − low) / (high − low)`, bent so that `midpoint` becomes 1/2 [schlick1994], gives
+/// `t = (x − low) / (high − low)`, bent so that `midpoint` becomes 1/2 \[schlick1994\], gives
 /// `field = out_low + t · (out_high − out_low)`. Either range may run downwards.
 ///
 /// What comes out within 0 and 1 is a mask. A mask brought into another range becomes an elevation; every other

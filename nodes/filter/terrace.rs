@@ -10,7 +10,7 @@ use crate::prelude::*;
 /// Lays a field into terraces: flat treads and steep risers, like banks of hard and soft rock.
 ///
 /// Within a step from one level to the next, the way `t` from 0 to 1 becomes a curve that is flat at the foot and steep
-/// at the lip [schlick1994]. So the treads keep some of the slope they had, and every ridge and gully runs on through
+/// at the lip \[schlick1994\]. So the treads keep some of the slope they had, and every ridge and gully runs on through
 /// them.
 ///
 /// # Limits
@@ -144,7 +144,7 @@ impl Profile {
             height,
             base: base + node.offset.0,
             // Never quite 0: a riser stays a function of the height.
-            middle: (0.5 * (1.0 - node.sharpness.0) * (1.0 - node.sharpness.0)).max(1e-4),
+            middle: (0.5 * (1.0 - node.sharpness.0)).max(1e-4),
             lip: node.lip.0,
             variation: node.variation.0,
             seed: cx.seed(node.seed)?,

@@ -1,8 +1,9 @@
 //! Displacement along the ground.
 
 use crate::kit::hash;
+use crate::kit::noise::{Form, Fractal, FractalRows, Spectrum};
 use crate::kit::rows::Rows;
-use crate::kit::sample::{Interpolation, Sampler, fit, method_for};
+use crate::kit::sample::{Interpolation, Sampler, method_for};
 use crate::prelude::*;
 
 /// Pulls a field about along the ground: bends straight ridges, lets forms flow.
@@ -24,7 +25,7 @@ pub struct Warp {
     /// Metres of displacement per unit of the connected fields.
     #[schemars(range(min = -1.0e5, max = 1.0e5), extend("x-soft" = [-500.0, 500.0]))]
     pub factor: Number,
-    /// Displacement by the built-in noise, about the longest of its largest octave.
+    /// Longest displacement by the built-in noise to either side, along each axis.
     #[schemars(range(min = 0.0, max = 20_000.0), extend("x-soft" = [0.0, 500.0]))]
     pub amplitude: Metres,
     /// Size of the largest forms of the built-in noise.
@@ -44,7 +45,7 @@ impl Default for Warp {
         Self {
             limit: Metres(200.0),
             factor: Number(1.0),
-            amplitude: Metres(80.0),
+            amplitude: Metres(150.0),
             feature_size: Metres(800.0),
             octaves: 3,
             interpolation: Interpolation::Cubic,
@@ -89,7 +90,10 @@ impl Node for Warp {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        Cost::per_sample(grid, 20.0 + 25.0 * f64::from(self.octaves))
+        // The noise's columns, a row of displacement in each thread, and a copy of vectors that must be cropped.
+        let rows = 24 * grid.cols as u64 * (rayon::current_num_threads() as u64 + 1);
+        let bytes = 2 * Fractal::bytes(self.octaves, grid.cols) + rows + grid.len() as u64 * 8;
+        Cost { bytes, ..Cost::per_sample(grid, 45.0 + 7.0 * f64::from(self.octaves)) }
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
@@ -98,15 +102,43 @@ impl Node for Warp {
         let quantity = input.field.quantity();
         let method = method_for(quantity, self.interpolation);
         let (limit, per_metre) = (self.limit.0, 1.0 / cx.grid.cell());
-        let displacement = Displacement::new(self, cx, &input)?;
+        let noise = if input.is_displaced() { None } else { Some(self.noise(cx)?) };
+        let xs = cx.grid.xs();
+        let displacement = match &noise {
+            Some(noise) => Displacement::Noise(noise.each_ref().map(|n| n.over(&xs))),
+            None => Displacement::of_fields(self.factor.0, cx, &input),
+        };
         let field = cx.fill(quantity, |row, out: &mut [f32]| {
-            for (i, o) in out.iter_mut().enumerate() {
-                let [x, y] = shortened(displacement.at(i, row), limit);
-                let at = [(cx.grid.col + i as i64) as f64 + x * per_metre, row.row as f64 + y * per_metre];
-                *o = fit(quantity, sampler.value(method, at));
-            }
+            let (mut east, mut south) = (vec![0.0; out.len()], vec![0.0; out.len()]);
+            displacement.row(row, [&mut east, &mut south]);
+            let places = east.iter().zip(&south).enumerate().map(|(i, (&x, &y))| {
+                let [x, y] = shortened([f64::from(x), f64::from(y)], limit);
+                [(cx.grid.col + i as i64) as f64 + x * per_metre, row.row as f64 + y * per_metre]
+            });
+            sampler.row(method, quantity, &places.collect::<Vec<_>>(), out);
         })?;
         Ok(Outputs { field })
+    }
+}
+
+impl Warp {
+    /// The displacements to the east and south by noise, in metres.
+    fn noise(&self, cx: &Context<'_>) -> Result<[Fractal; 2]> {
+        let seed = cx.seed(self.seed)?;
+        let spectrum = Spectrum {
+            feature_size: self.feature_size.0,
+            octaves: self.octaves.clamp(1, 12),
+            lacunarity: 2.0,
+            gain: 0.5,
+        };
+        let one = |k| Fractal::new(Form::Fbm, spectrum, hash::nth(seed, k), 0.0, self.amplitude.0);
+        Ok([one(0), one(1)])
+    }
+}
+
+impl Inputs {
+    fn is_displaced(&self) -> bool {
+        self.dx.is_some() || self.dy.is_some() || self.vectors.is_some()
     }
 }
 
@@ -121,86 +153,33 @@ fn shortened([x, y]: [f64; 2], limit: f64) -> [f64; 2] {
 }
 
 /// Where the displacement comes from.
-enum Displacement {
-    Fields { factor: f64, parts: [Option<Rows>; 2], vectors: Option<Vectors> },
-    Noise { noise: Noise, amplitude: f64, xs: Vec<f64> },
+enum Displacement<'a> {
+    Fields { factor: f32, parts: [Option<Rows>; 2], vectors: Option<Vectors> },
+    Noise([FractalRows<'a>; 2]),
 }
 
-impl Displacement {
-    fn new(node: &Warp, cx: &Context<'_>, input: &Inputs) -> Result<Self> {
-        if input.dx.is_none() && input.dy.is_none() && input.vectors.is_none() {
-            let noise = Noise::new(cx.seed(node.seed)?, node.feature_size.0, node.octaves);
-            return Ok(Self::Noise { noise, amplitude: node.amplitude.0, xs: cx.grid.xs() });
-        }
-        let rows = |f: &Option<Field>| f.as_ref().map(|f| Rows::of(f, &cx.grid));
+impl Displacement<'_> {
+    fn of_fields(factor: f64, cx: &Context<'_>, input: &Inputs) -> Self {
+        let parts = [&input.dx, &input.dy].map(|f| f.as_ref().map(|f| Rows::of(f, &cx.grid)));
         let vectors = input.vectors.as_ref().map(|v| v.crop(&cx.grid));
-        Ok(Self::Fields { factor: node.factor.0, parts: [rows(&input.dx), rows(&input.dy)], vectors })
+        Self::Fields { factor: factor as f32, parts, vectors }
     }
 
-    /// The displacement of a sample, in metres.
-    fn at(&self, i: usize, row: Row) -> [f64; 2] {
-        match self {
-            Self::Noise { noise, amplitude, xs } => noise.at(xs[i], row.y).map(|d| d * amplitude),
-            Self::Fields { factor, parts, vectors } => {
-                let vector = vectors.as_ref().map_or([0.0; 2], |v| v.row(row.j)[i]);
-                [0, 1].map(|k| {
-                    let part = parts[k].as_ref().map_or(0.0, |r| r.at(row.row)[i]);
-                    (f64::from(part) + f64::from(vector[k])) * factor
-                })
+    /// The displacements of a row to the east and south, in metres.
+    fn row(&self, row: Row, out: [&mut [f32]; 2]) {
+        for (k, out) in out.into_iter().enumerate() {
+            match self {
+                Self::Noise(noise) => noise[k].row(row.y, out),
+                Self::Fields { factor, parts, vectors } => {
+                    if let Some(part) = &parts[k] {
+                        out.copy_from_slice(part.at(row.row));
+                    }
+                    if let Some(vectors) = vectors {
+                        out.iter_mut().zip(vectors.row(row.j)).for_each(|(o, v)| *o += v[k]);
+                    }
+                    out.iter_mut().for_each(|o| *o *= factor);
+                }
             }
         }
-    }
-}
-
-/// Two independent sums of gradient noise over the plane [perlin2002], each octave moved by chance.
-struct Noise {
-    octaves: Vec<Octave>,
-}
-
-struct Octave {
-    seed: u64,
-    frequency: f64,
-    offset: [f64; 2],
-    height: f64,
-}
-
-impl Noise {
-    fn new(seed: u64, feature_size: f64, octaves: u32) -> Self {
-        let octave = |k: u32| {
-            let (seed, twice) = (hash::nth(seed, u64::from(k)), f64::from(1u32 << k.min(30)));
-            let offset = [hash::unit(seed, 0), hash::unit(seed, 1)];
-            Octave { seed, frequency: twice / feature_size, offset, height: 1.0 / twice }
-        };
-        Self { octaves: (0..octaves.min(12)).map(octave).collect() }
-    }
-
-    /// Both sums, about -1 to 1 in the largest octave.
-    fn at(&self, x: f64, y: f64) -> [f64; 2] {
-        self.octaves.iter().fold([0.0; 2], |sum, o| {
-            let value = o.at(x * o.frequency + o.offset[0], y * o.frequency + o.offset[1]);
-            [sum[0] + o.height * value[0], sum[1] + o.height * value[1]]
-        })
-    }
-}
-
-impl Octave {
-    fn at(&self, x: f64, y: f64) -> [f64; 2] {
-        let (i, j) = (x.floor(), y.floor());
-        let (s, t) = (x - i, y - j);
-        let corner = |di: i64, dj: i64| {
-            let (i, j) = ((i as i64).wrapping_add(di) as u64, (j as i64).wrapping_add(dj) as u64);
-            let bits = hash::mix(hash::nth(self.seed, i) ^ j);
-            // Four numbers of 16 bits: two gradients.
-            let g = |k: u32| f64::from((bits >> (16 * k)) as u16) / 32767.5 - 1.0;
-            let (u, v) = (s - di as f64, t - dj as f64);
-            [g(0) * u + g(1) * v, g(2) * u + g(3) * v]
-        };
-        let (a, b, c, d) = (corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1));
-        let fade = |t: f64| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-        let (s, t) = (fade(s), fade(t));
-        [0, 1].map(|k| {
-            let (top, bottom) = (a[k] + (b[k] - a[k]) * s, c[k] + (d[k] - c[k]) * s);
-            1.6 * (top + (bottom - top) * t)
-        })
     }
 }

@@ -8,7 +8,7 @@ use crate::prelude::*;
 /// Colours a field by a ramp: heights as on a wall map, or any other field.
 ///
 /// The value at `low` takes the first colour of the ramp, the value at `high` the last; between stops the colours
-/// run through OKLab, so that they are neither muddy nor banded [ottosson2020]. A shade, such as that of
+/// run through Oklab, so that they are neither muddy nor banded \[ottosson2020\]. A shade, such as that of
 /// `hillshade`, multiplies the colours as stored.
 ///
 /// # Limits
@@ -97,7 +97,7 @@ impl Node for Colorize {
 
     fn cost(&self, grid: &Grid) -> Cost {
         // A cropped copy of each input, and the table of the ramp.
-        let cost = Cost::per_sample(grid, 15.0).with_fields(grid, 3.0);
+        let cost = Cost::per_sample(grid, 27.0).with_fields(grid, 3.0);
         Cost { bytes: cost.bytes + (1 << 20), ..cost }
     }
 

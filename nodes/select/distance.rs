@@ -7,7 +7,7 @@ use crate::prelude::*;
 /// Measures how far each place is from a mask, in metres.
 ///
 /// A sample belongs to the mask where its value is at least `threshold`; the distance is the exact Euclidean one to
-/// the nearest such sample, found by two passes over whole numbers [meijster2000]. Beyond `limit` it stays at the
+/// the nearest such sample, found by two passes over whole numbers \[meijster2000\]. Beyond `limit` it stays at the
 /// limit, which makes the result local: a tile of it equals the whole.
 ///
 /// # Limits

@@ -6,8 +6,8 @@ use crate::prelude::*;
 /// Grows or shrinks the high parts of a field, such as a mask, by a radius in metres.
 ///
 /// Every sample takes the largest (`dilate`) or smallest (`erode`) value within `radius` of it: the grey-scale
-/// dilation and erosion by a flat disk [serra1982], exact, with the largest value under each chord of the disk found
-/// by doubling [urbach2008]. `close` dilates, then erodes: it fills holes and gaps narrower than the disk; `open`
+/// dilation and erosion by a flat disk \[serra1982\], exact, with the largest value under each chord of the disk found
+/// by doubling \[urbach2008\]. `close` dilates, then erodes: it fills holes and gaps narrower than the disk; `open`
 /// erodes, then dilates: it removes what is narrower. With `soft`, the result is blended with its surroundings
 /// up to that far, by the bump `(1 − (d / soft)²)²` along each axis.
 ///
@@ -82,7 +82,7 @@ impl Node for Expand {
         let cells = |metres: f64| 2.0 * metres / grid.cell() + 1.0;
         let disks = self.steps().len() as f64;
         let around = grid.grow_metres(self.radius.0 + self.soft.0);
-        let seconds = disks * (8.0 + 1.0 * cells(self.radius.0)) + 1.5 * cells(self.soft.0);
+        let seconds = disks * (3.0 + 0.4 * cells(self.radius.0)) + 0.7 * cells(self.soft.0);
         let cost =
             Cost { bytes: morphology::scratch(&around, self.radius.0), ..Cost::per_sample(&around, seconds) };
         let between = if self.soft.0 > 0.0 { 2.0 } else { disks - 1.0 };

@@ -6,9 +6,9 @@ use crate::prelude::*;
 /// Shades the ground by the sun, as on a relief map.
 ///
 /// Lambert's law: the shade is the cosine of the angle between the normal of the ground and the direction to the
-/// sun, 0 where the ground faces away [horn1981]. The gradient comes from the heights `scale` metres to either side.
+/// sun, 0 where the ground faces away \[horn1981\]. The gradient comes from the heights `scale` metres to either side.
 /// With `multiple` light, the sun shines from four directions 45° apart around `azimuth`, each weighted by the square
-/// of the sine between it and the fall of the ground, so that no slope drowns in shadow [mark1992].
+/// of the sine between it and the fall of the ground, so that no slope drowns in shadow \[mark1992\].
 ///
 /// # Limits
 /// No cast shadows: `occlusion` knows what stands around.
@@ -85,7 +85,7 @@ impl Node for Hillshade {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        derivative::cost(grid, if self.light == Light::Single { 5.0 } else { 10.0 }, 8)
+        derivative::cost(grid, if self.scale.is_some() { 16.0 } else { 8.0 }, 8)
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {

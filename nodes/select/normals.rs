@@ -5,7 +5,7 @@ use crate::prelude::*;
 
 /// Gives the normals of the ground, as vectors and as a normal map.
 ///
-/// With the gradient `p, q` of the height from the heights `scale` metres to either side [zevenbergen1987], the
+/// With the gradient `p, q` of the height from the heights `scale` metres to either side \[zevenbergen1987\], the
 /// normal is `(−p, −q, 1) / √(1 + p² + q²)`, pointing east, south and up. The vectors hold its horizontal part,
 /// whose length is the sine of the slope. The map holds `½ + ½ n` as red, green and blue, as game engines read it:
 /// plain numbers, not colours to be decoded.
@@ -72,7 +72,7 @@ impl Node for Normals {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        derivative::cost(grid, 10.0, 8)
+        derivative::cost(grid, if self.scale.is_some() { 20.0 } else { 12.0 }, 8)
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {

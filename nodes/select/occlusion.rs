@@ -8,17 +8,18 @@ use crate::prelude::*;
 /// Measures how much of the sky each place sees: valleys and pits are dark, ridges and plains bright.
 ///
 /// In each of `directions` evenly spaced directions the horizon is the steepest angle `γ` at which the ground rises
-/// within `radius`; the result is the sky-view factor `1 − mean(sin γ)` with `γ ≥ 0` [zaksek2011]. What lies in the
+/// within `radius`; the result is the sky-view factor `1 − mean(sin γ)` with `γ ≥ 0` \[zaksek2011\]. What lies in the
 /// outer half of the radius counts less and less, so that no circle shows around a peak.
 ///
 /// Each direction is sampled at every `detail` metres near by, then at four distances an octave, up to the radius;
 /// the farther, the more the ground is smoothed first, in proportion to the distance between samples, so that no
-/// peak is missed or seen twice [crassin2011].
+/// peak is missed or seen twice \[crassin2011\].
 ///
 /// # Differs from the paper
 /// The paper looks at every cell along a direction; smoothing makes far and narrow peaks count a little less.
 ///
 /// # Limits
+/// With few directions a lone spike throws a star instead of a halo.
 /// The detail that takes effect is a whole number of cells, one at least.
 ///
 /// # See also
@@ -42,7 +43,7 @@ pub struct Occlusion {
 
 impl Default for Occlusion {
     fn default() -> Self {
-        Self { radius: Metres(500.0), directions: 16, exaggeration: Number(1.0), detail: None }
+        Self { radius: Metres(500.0), directions: 32, exaggeration: Number(1.0), detail: None }
     }
 }
 
@@ -85,7 +86,8 @@ impl Node for Occlusion {
         let lines = 6 * grid.cols as u64 * rayon::current_num_threads() as u64;
         Cost {
             bytes: 4 * (levels.map(|g| g.len() as u64).sum::<u64>() + largest + lines),
-            seconds: grid.len() as f64 * (4.0 + 0.7 * looks as f64) * 1e-9 + passes * 3e-9,
+            seconds: grid.len() as f64 * (8.0 * f64::from(self.directions) + 0.7 * looks as f64) * 1e-9
+                + passes * 3e-9,
         }
     }
 

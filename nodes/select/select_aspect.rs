@@ -7,7 +7,7 @@ use crate::prelude::*;
 /// Selects the slopes that face a compass direction.
 ///
 /// A slope faces where water would run: `direction = atan2(−∂h/∂x, ∂h/∂y)`, with x to the east and y to the south,
-/// from the heights `scale` metres to either side [zevenbergen1987]. The mask is 1 within half of `width` of the
+/// from the heights `scale` metres to either side \[zevenbergen1987\]. The mask is 1 within half of `width` of the
 /// chosen direction and fades to 0 over `soft` degrees more. Flat ground faces nowhere: the mask rises with the
 /// slope, from 0 on the flat to its whole value at `steepness`.
 ///
@@ -78,7 +78,7 @@ impl Node for SelectAspect {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        derivative::cost(grid, 20.0, 8)
+        derivative::cost(grid, if self.scale.is_some() { 30.0 } else { 17.0 }, 8)
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {

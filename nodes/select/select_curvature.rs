@@ -7,7 +7,7 @@ use crate::prelude::*;
 /// Selects the places whose curvature lies in a range: ridges and bulges are positive, hollows and valleys negative.
 ///
 /// With the first derivatives `p, q` and the second `r, s, t` of the height, taken from the heights `scale` metres
-/// to either side and at the corners [zevenbergen1987], the curvatures in 1/m are [evans1980] [krcho1973]
+/// to either side and at the corners \[zevenbergen1987\], the curvatures in 1/m are \[evans1980\] \[krcho1973\]
 /// - mean: `−((1 + q²) r − 2pqs + (1 + p²) t) / (2 (1 + p² + q²)^1.5)`,
 /// - profile: `−(p² r + 2pqs + q² t) / ((p² + q²) (1 + p² + q²)^1.5)`,
 /// - tangential: `−(q² r − 2pqs + p² t) / ((p² + q²) (1 + p² + q²)^0.5)`,
@@ -99,7 +99,8 @@ impl Node for SelectCurvature {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        derivative::cost(grid, 15.0, 14)
+        // A scale between samples is read from sixteen of them at each corner.
+        derivative::cost(grid, if self.scale.is_some() { 130.0 } else { 25.0 }, 14)
     }
 
     fn check(&self) -> Result<()> {

@@ -50,7 +50,7 @@ impl Node for SelectHeight {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        Cost::per_sample(grid, 1.5)
+        Cost::per_sample(grid, 3.0)
     }
 
     fn check(&self) -> Result<()> {

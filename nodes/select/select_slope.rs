@@ -7,7 +7,7 @@ use crate::prelude::*;
 /// Selects the places whose slope lies in a range.
 ///
 /// The slope is `atan |∇h|`, with the gradient from the heights `scale` metres to the east, west, north and south
-/// [zevenbergen1987]. The mask is 1 from `low` to `high` and fades to 0 over `soft` degrees beyond either.
+/// \[zevenbergen1987\]. The mask is 1 from `low` to `high` and fades to 0 over `soft` degrees beyond either.
 ///
 /// # Limits
 /// The scale that takes effect is at least one cell of the build, or of the base grid where the build is coarser.
@@ -68,7 +68,7 @@ impl Node for SelectSlope {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        derivative::cost(grid, 8.0, 8)
+        derivative::cost(grid, if self.scale.is_some() { 20.0 } else { 12.0 }, 8)
     }
 
     fn check(&self) -> Result<()> {

@@ -122,7 +122,7 @@ pub(super) fn parse_bytes(text: &str) -> Result<u64, String> {
     };
     let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
     let bytes = value * factor;
-    if bytes >= 1.0 && bytes < 1e18 {
+    if (1.0..1e18).contains(&bytes) {
         Ok(bytes as u64)
     } else {
         Err(format!("must be at least one byte, got `{text}`"))

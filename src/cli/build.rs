@@ -57,6 +57,11 @@ pub(super) struct Args {
     progress: Option<Mode>,
 }
 
+/// Bytes the program takes before it evaluates anything: itself, its threads, what the allocator holds back.
+const PROGRAM_BYTES: u64 = 48 << 20;
+/// Bytes a sample that the writers take beside the value: integers or blocks, and what they are pressed into.
+const WRITER_BYTES: u64 = 12;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Backend {
     /// The reference, the same bits everywhere
@@ -67,7 +72,7 @@ enum Backend {
     Gpu,
 }
 
-pub(super) fn run(args: Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
+pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
     if args.backend == Backend::Gpu {
         let message =
             "--backend gpu: no node kind of this version runs on the GPU; use --backend cpu or auto";
@@ -86,9 +91,12 @@ pub(super) fn run(args: Args, registry: &Registry, cancel: &Cancel) -> Result<Ex
     let inputs = [args.graph.graph.clone()].into_iter().chain(source_files(&graph, &args.graph.graph));
     let folder = Folder::open(&args.out, inputs, args.overwrite)?;
     let report_path = args.report.clone().unwrap_or_else(|| args.out.join("report.json"));
-    let head = head(&graph, &args, &whole, variables);
+    let head = head(&graph, args, &whole, variables);
     let mut report = Report::start(&report_path, head)?;
-    let engine = Engine::new(&args.engine.options(), files)?;
+    let mut options = args.engine.options();
+    let largest = tiles.iter().map(|t| t.grid.len() as u64).max().unwrap_or(0);
+    options.memory = options.memory.saturating_sub(PROGRAM_BYTES + WRITER_BYTES * largest);
+    let engine = Engine::new(&options, files)?;
     let progress = Progress::new(args.progress);
     let build =
         Build { graph: &graph, engine: &engine, progress: &progress, cancel, whole, many: tiles.len() > 1 };
@@ -171,7 +179,7 @@ impl Build<'_> {
             for (i, (job, value)) in jobs.iter().zip(&evaluation.values).enumerate() {
                 let written = match value {
                     Ok(value) => {
-                        job.write(value, tile, self.many, self.graph.terrain(), &self.whole, folder.path())
+                        job.write(value, tile, self.many, self.graph.terrain(), &self.whole, folder.dir())
                     }
                     Err(failure) => Err(Stop::new(Exit::of(failure), failure)),
                 };
@@ -245,7 +253,7 @@ impl Build<'_> {
 
     fn evaluate(&self, jobs: &[Job], tile: &Tile, report: &mut Report) -> Result<Evaluation, Stop> {
         self.progress.label(if self.many {
-            format!("tile {},{}", tile.column, tile.row)
+            format!("tile {},{}", tile.place.col, tile.place.row)
         } else {
             String::new()
         });

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::args::GraphArgs;
-use super::exit::{Exit, Stop, print};
+use super::exit::{Exit, Stop, print, save};
 use super::open;
 use crate::graph::Problem;
 use crate::nodes::Registry;
@@ -72,10 +72,7 @@ pub(super) fn fmt(args: &FmtArgs, registry: &Registry) -> Result<Exit, Stop> {
             exit = Exit::Failed;
             continue;
         }
-        let cannot = |e: &dyn std::fmt::Display| {
-            Stop::new(Exit::Failed, format!("cannot write {}: {e}", path.display()))
-        };
-        crate::graph::save_bytes(path, &canonical).map_err(|e| cannot(&e))?;
+        save(path, &canonical)?;
         eprintln!("{}: written in canonical form", path.display());
     }
     Ok(exit)

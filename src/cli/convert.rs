@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::exit::{Exit, Stop};
+use cap_std::ambient_authority;
+use cap_std::fs::Dir;
+
+use super::exit::{Exit, Stop, save};
 use crate::files::{
     Encoding, FileJob, Format, Limits, encode_file, read_height_as, sidecar_name, write_atomic,
 };
@@ -66,14 +69,21 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
         file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
     }
     cancel.check().map_err(|e| Stop::new(Exit::Cancelled, e))?;
-    let job = FileJob { file: &file, format, range, clip: args.clip, flip: args.flip };
+    let job = FileJob {
+        range,
+        clip: args.clip,
+        flip: args.flip,
+        cancel: Some(cancel),
+        ..FileJob::new(&file, format)
+    };
     let folder = args.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let cannot =
+        |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot open {}: {e}", folder.display()));
+    let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
     let (_, written) =
-        write_atomic(folder, &name, |out| encode_file(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
+        write_atomic(&dir, &name, |out| encode_file(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
     if let Some(sidecar) = &written.sidecar {
-        let path = folder.join(sidecar_name(&name));
-        crate::graph::save_bytes(&path, format!("{sidecar:#}\n").as_bytes())
-            .map_err(|e| Stop::new(Exit::Failed, format!("cannot write {}: {e}", path.display())))?;
+        save(&folder.join(sidecar_name(&name)), format!("{sidecar:#}\n").as_bytes())?;
     }
     written.notes.iter().for_each(|n| eprintln!("note: {n}"));
     Ok(Exit::Done)

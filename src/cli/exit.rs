@@ -2,9 +2,14 @@
 
 use std::fmt::Display;
 use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 
+use cap_std::ambient_authority;
+use cap_std::fs::Dir;
+
 use crate::engine::{EngineError, Failure};
+use crate::files::write_atomic;
 
 /// The exit codes of the program; scripts rely on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +91,15 @@ impl From<EngineError> for Stop {
         };
         Self::new(exit, e)
     }
+}
+
+/// Writes a small file whole or not at all.
+pub(super) fn save(path: &Path, bytes: &[u8]) -> Result<(), Stop> {
+    let cannot = |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot write {}: {e}", path.display()));
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
+    write_atomic(&dir, &name, |out| out.write_all(bytes)).map(|_| ()).map_err(cannot)
 }
 
 /// Writes to standard output; a reader that has gone away is no error.

@@ -7,14 +7,17 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use cap_std::ambient_authority;
+use cap_std::fs::Dir;
 use serde_json::json;
 
-use super::exit::{Exit, Stop};
+use super::exit::{Exit, Stop, save};
 
 const LIST: &str = ".orograph-files.json";
 
 pub(super) struct Folder {
     path: PathBuf,
+    dir: Dir,
     written: BTreeSet<String>,
     inputs: BTreeSet<PathBuf>,
     overwrite: bool,
@@ -31,16 +34,18 @@ impl Folder {
             Stop::new(Exit::Failed, format!("cannot make the folder {}: {e}", path.display()))
         };
         std::fs::create_dir_all(path).map_err(cannot)?;
+        let dir = Dir::open_ambient_dir(path, ambient_authority()).map_err(cannot)?;
         let list = std::fs::read(path.join(LIST)).ok();
         let list = list.and_then(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
         let names = list.as_ref().and_then(|v| v["files"].as_array());
         let written = names.into_iter().flatten().filter_map(|n| n.as_str().map(str::to_owned)).collect();
         let inputs = inputs.into_iter().filter_map(|p| p.canonicalize().ok()).collect();
-        Ok(Self { path: path.to_owned(), written, inputs, overwrite })
+        Ok(Self { path: path.to_owned(), dir, written, inputs, overwrite })
     }
 
-    pub(super) fn path(&self) -> &Path {
-        &self.path
+    /// The handle that files are written through.
+    pub(super) fn dir(&self) -> &Dir {
+        &self.dir
     }
 
     /// Claims the names of all files that a build will write, before it writes any.
@@ -64,8 +69,6 @@ impl Folder {
         self.written.extend(names.iter().cloned());
         let text =
             format!("{:#}\n", json!({ "about": "files that orograph wrote here", "files": self.written }));
-        let list = self.path.join(LIST);
-        crate::graph::save_bytes(&list, text.as_bytes())
-            .map_err(|e| Stop::new(Exit::Failed, format!("cannot write {}: {e}", list.display())))
+        save(&self.path.join(LIST), text.as_bytes())
     }
 }

@@ -39,9 +39,9 @@ fn height_file(args: &Args) -> Result<Exit, Stop> {
     let bytes =
         std::fs::read(&args.file).map_err(|e| Stop::new(Exit::Input, format!("cannot read {name}: {e}")))?;
     let sidecar = std::fs::read(crate::files::sidecar_name(&name)).ok();
-    let info =
-        crate::files::info(&name, &bytes, sidecar.as_deref()).map_err(|e| Stop::new(Exit::Input, e))?;
-    print(&if args.json { format!("{:#}\n", info.to_json()) } else { info.to_string() })
+    let info = crate::files::info(&name, &bytes, sidecar.as_deref(), &crate::files::Limits::default())
+        .map_err(|e| Stop::new(Exit::Input, e))?;
+    print(&if args.json { format!("{:#}\n", json!(info)) } else { info.to_string() })
 }
 
 fn as_json(graph: &Graph) -> serde_json::Value {

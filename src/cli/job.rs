@@ -1,22 +1,20 @@
 //! One output of a build: from a value on a tile to files and an entry of the report.
 
-use std::path::Path;
+use std::io::Write;
 
+use cap_std::fs::Dir;
 use serde_json::{Value as Json, json};
 use sha2::{Digest, Sha256};
 
 use super::exit::{Exit, Stop};
-use crate::files::{Format, Target, WriteJob, encode, sidecar_name, target_warnings, write_atomic};
+use crate::files::{Format, Target, WriteJob, encode, sidecar_name, write_atomic};
 use crate::graph::{Graph, Output, Problem, Source};
 use crate::value::{Grid, Quantity, Terrain, Value};
 
 /// A part of the window that is built at once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tile {
-    pub column: u64,
-    pub row: u64,
-    pub columns: u64,
-    pub rows: u64,
+    pub place: crate::files::Tile,
     pub grid: Grid,
 }
 
@@ -66,7 +64,7 @@ impl Job {
     /// Chooses the format by what the output is, where nothing else chose it.
     pub(super) fn settle(&mut self, value: &Value) {
         self.quantity = value.quantity();
-        let by_target = self.target.and_then(|t| t.format(value.quantity()));
+        let by_target = self.target.filter(|_| value.quantity() == Quantity::Elevation).map(Target::format);
         let by_quantity = match value.quantity() {
             Quantity::Color => Format::Png8,
             Quantity::Mask => Format::Png16,
@@ -81,7 +79,10 @@ impl Job {
 
     /// Whether integers are to be written and nobody said what they stand for.
     pub(super) fn needs_range(&self) -> bool {
-        let own = matches!(self.quantity, Quantity::Mask | Quantity::Color | Quantity::Vector);
+        let own = matches!(
+            self.quantity,
+            Quantity::Mask | Quantity::Direction | Quantity::Slope | Quantity::Color | Quantity::Vector
+        );
         self.format().is_integer() && self.range.is_none() && !own
     }
 
@@ -95,7 +96,11 @@ impl Job {
     }
 
     fn stem(&self, tile: &Tile, many: bool) -> String {
-        if many { format!("{}_x{}_y{}", self.name, tile.column, tile.row) } else { self.name.clone() }
+        if many {
+            format!("{}_x{}_y{}", self.name, tile.place.col, tile.place.row)
+        } else {
+            self.name.clone()
+        }
     }
 
     fn file(&self, tile: &Tile, many: bool) -> String {
@@ -116,33 +121,27 @@ impl Job {
         many: bool,
         terrain: &Terrain,
         whole: &Grid,
-        folder: &Path,
+        folder: &Dir,
     ) -> Result<Entry, Stop> {
         let file = self.file(tile, many);
-        let cut =
-            crate::files::Tile { column: tile.column, row: tile.row, columns: tile.columns, rows: tile.rows };
         let job = WriteJob {
-            value,
-            format: self.format(),
             range: self.range,
             clip: self.output.clip,
             flip: self.output.flip,
             target: self.target,
-            terrain,
-            whole: *whole,
-            tile: many.then_some(cut),
+            tile: many.then_some(tile.place),
+            ..WriteJob::new(value, self.format(), terrain, *whole)
         };
-        let cannot = |e: &dyn std::fmt::Display| Stop::new(Exit::Failed, format!("cannot write {file}: {e}"));
         let (stamp, written) =
             write_atomic(folder, &file, |out| encode(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
-        let mut notes = written.notes;
-        if let Some(target) = self.target {
-            notes.extend(target_warnings(target, value.grid().cols, value.grid().rows));
-        }
+        let notes = written.notes;
         if let Some(sidecar) = &written.sidecar {
             let text = format!("{sidecar:#}\n");
-            let path = folder.join(sidecar_name(&file));
-            crate::graph::save_bytes(&path, text.as_bytes()).map_err(|e| cannot(&e))?;
+            write_atomic(folder, &sidecar_name(&file), |out| out.write_all(text.as_bytes())).map_err(
+                |e: std::io::Error| {
+                    Stop::new(Exit::Failed, format!("cannot write the sidecar of {file}: {e}"))
+                },
+            )?;
         }
         let range = match value {
             Value::Field(f) => f.range(),
@@ -155,7 +154,7 @@ impl Job {
             "quantity": value.quantity().name(), "unit": value.quantity().unit(),
             "min": range.map(|r| r.0), "max": range.map(|r| r.1),
             "range": written.range, "clipped": written.clipped, "notes": notes,
-            "tile": many.then(|| json!([tile.column, tile.row])),
+            "tile": many.then(|| json!(tile.place)),
         });
         Ok(Entry { json, notes })
     }

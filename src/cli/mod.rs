@@ -7,12 +7,14 @@ mod convert;
 mod exit;
 mod folder;
 mod info;
+mod job;
 mod nodes;
 mod open;
 mod plan;
 mod progress;
 mod render;
 mod report;
+mod tiles;
 
 use std::process::ExitCode;
 
@@ -34,7 +36,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Evaluates the graph's outputs and writes them
-    Build(build::Args),
+    Build(Box<build::Args>),
     /// Validates a graph; prints every error and warning
     Check(check::Args),
     /// Prints title, terrain, exposed parameters and outputs of a graph, or what a height file holds
@@ -50,7 +52,7 @@ enum Command {
     /// Converts a height file to another format
     Convert(convert::Args),
     /// Draws a shaded picture of a graph's output or of a height file
-    Render(render::Args),
+    Render(Box<render::Args>),
     /// Prints a completion script for a shell
     Completions {
         /// The shell
@@ -91,7 +93,7 @@ pub fn main() -> ExitCode {
 fn run(cli: Cli, cancel: &Cancel) -> Result<Exit, exit::Stop> {
     let registry = Registry::standard();
     match cli.command {
-        Command::Build(args) => build::run(args, &registry, cancel),
+        Command::Build(args) => build::run(&args, &registry, cancel),
         Command::Check(args) => check::run(&args, &registry),
         Command::Info(args) => info::run(&args, &registry),
         Command::Plan(args) => plan::run(&args, &registry),
@@ -102,7 +104,7 @@ fn run(cli: Cli, cancel: &Cancel) -> Result<Exit, exit::Stop> {
         }
         Command::Fmt(args) => check::fmt(&args, &registry),
         Command::Convert(args) => convert::run(&args, cancel),
-        Command::Render(args) => render::run(args, &registry, cancel),
+        Command::Render(args) => render::run(&args, &registry, cancel),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "orograph", &mut script);

@@ -23,7 +23,7 @@ pub(super) struct Opened {
 /// Reads the file alone.
 pub(super) fn load(path: &Path, registry: &Registry) -> Result<Graph, Stop> {
     Graph::open(path, registry).map_err(|e| {
-        let exit = if matches!(e, LoadError::Io { .. }) { Exit::Input } else { Exit::Graph };
+        let exit = if matches!(e, LoadError::Read(_)) { Exit::Input } else { Exit::Graph };
         Stop::new(exit, e)
     })
 }

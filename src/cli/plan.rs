@@ -113,7 +113,7 @@ fn table(plan: &Plan, names: &[String], window: &Grid) -> String {
 }
 
 fn json_of(plan: &Plan, names: &[String], window: &Grid) -> String {
-    let tasks: Vec<_> = plan.tasks().into_iter().map(|t| {
+    let tasks = plan.tasks().into_iter().map(|t| {
         json!({
             "node": t.node, "kind": t.kind, "stage": t.stage.name(), "cols": t.grid.cols, "rows": t.grid.rows,
             "cell": t.grid.cell(), "effective_cell": t.effective_cell, "backend": "cpu",
@@ -121,7 +121,7 @@ fn json_of(plan: &Plan, names: &[String], window: &Grid) -> String {
         })
     });
     let tasks: Vec<_> = tasks.collect();
-    let outputs: Vec<_> = names.iter().enumerate().map(|(i, name)| {
+    let outputs = names.iter().enumerate().map(|(i, name)| {
         json!({ "name": name, "cols": window.cols, "rows": window.rows, "effective_cell": plan.effective_cell(i) })
     });
     let outputs: Vec<_> = outputs.collect();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value as Json, json};
 
-use super::exit::{Exit, Stop};
+use super::exit::{Exit, Stop, save};
 use crate::engine::TaskReport;
 
 /// Collects what a build did.
@@ -81,7 +81,7 @@ impl Report {
 
     /// Writes the report whole.
     pub(super) fn write(self) -> Result<(), Stop> {
-        let nodes: Vec<_> = self.nodes.iter().map(|((node, stage), t)| {
+        let nodes = self.nodes.iter().map(|((node, stage), t)| {
             json!({
                 "node": node, "stage": stage, "kind": t.kind, "backend": "cpu", "runs": t.runs, "cached": t.cached,
                 "seconds": t.seconds, "bytes": t.bytes, "failed": t.failed,
@@ -99,8 +99,6 @@ impl Report {
         report.insert("failures".into(), Json::from(self.failures));
         report.insert("nodes".into(), Json::from(nodes));
         let text = format!("{:#}\n", Json::from(report));
-        crate::graph::save_bytes(&self.path, text.as_bytes()).map_err(|e| {
-            Stop::new(Exit::Failed, format!("cannot write the report {}: {e}", self.path.display()))
-        })
+        save(&self.path, text.as_bytes())
     }
 }

@@ -43,13 +43,9 @@ pub(super) fn tiles(args: &TileArgs, window: &Grid) -> Result<Vec<Tile>, Stop> {
     let tile = |[i, j]: [u64; 2]| {
         let start = [window.col + (i * size[0]) as i64, window.row + (j * size[1]) as i64];
         let end = [start[0] + size[0] as i64 + 1, start[1] + size[1] as i64 + 1];
-        Tile {
-            column: i,
-            row: j,
-            columns: counts[0],
-            rows: counts[1],
-            grid: Grid::between(window.lattice, start, end),
-        }
+        let [col, row, cols, rows] = [i, j, counts[0], counts[1]].map(|n| n as u32);
+        let place = crate::files::Tile { col, row, cols, rows };
+        Tile { place, grid: Grid::between(window.lattice, start, end) }
     };
     if args.tile.is_empty() {
         return Ok(all.map(tile).collect());
@@ -73,7 +69,7 @@ fn pair(text: &str, separator: char) -> Option<[u64; 2]> {
 fn uneven(axis: usize, steps: u64, count: u64, side: Option<u64>) -> String {
     let name = ["columns", "rows"][axis];
     let near = |wanted: u64| {
-        let fits = |n: &u64| *n >= 1 && steps % n == 0;
+        let fits = |n: &u64| *n >= 1 && steps.is_multiple_of(*n);
         let below = (1..wanted.min(steps + 1)).rev().find(fits);
         let above = (wanted + 1..=steps).find(fits);
         below.into_iter().chain(above)

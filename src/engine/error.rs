@@ -52,7 +52,7 @@ pub type SharedFailure = Arc<Failure>;
 pub enum EngineError {
     /// It would need more memory than it may use.
     #[error(
-        "the evaluation needs about {} and may use {}: {at} is the peak. Build a smaller --size, in tiles \
+        "the evaluation needs about {} and may use {} beside the program and its writers: {at} is the peak. Build a smaller --size, in tiles \
          (--tile-size), or raise --memory",
         bytes(*need), bytes(*budget)
     )]

@@ -1,7 +1,7 @@
 //! Gaussian smoothing whose result does not depend on the window it is computed on.
 //!
 //! Up to [`DIRECT`] cells the Gaussian is summed tap by tap, columns first, then rows. A wider one is taken on a
-//! coarser lattice [burt1983]: the field is halved `L` times by the binomial filter 1 4 6 4 1, smoothed there, and
+//! coarser lattice \[burt1983\]: the field is halved `L` times by the binomial filter 1 4 6 4 1, smoothed there, and
 //! doubled `L` times by the cubic B-spline subdivision 1 4 6 4 1. The points of level `k` are those whose lattice
 //! index is a multiple of 2ᵏ, so a tile and the whole use the same points and give the same bits.
 //!
@@ -11,15 +11,15 @@
 //!
 //! Every sum is written as the centre and weighted differences from it: a flat field stays flat to the bit.
 
-use multiversion::multiversion;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use crate::kit::simd::{Kernel, Level};
 use crate::node::{Context, Error, Result};
 use crate::value::{Field, Grid};
 
 /// Widest standard deviation, in cells, that is summed directly; coarser levels work between half of it and it.
-const DIRECT: f64 = 6.0;
+const DIRECT: f64 = 7.0;
 /// Where the Gaussian is cut, in standard deviations: 2e-6 of its mass lies beyond.
 const CUT: f64 = 4.8;
 /// Below this many cells the neighbours weigh less than 1e-9.
@@ -55,7 +55,7 @@ pub fn nanoseconds(window: &Grid, sigma: f64) -> f64 {
     let apron = 2.0 * f64::from(window.lattice.intervals) + 4.0;
     let read = (input.cols as f64).min(apron) * (input.rows as f64).min(apron) / window.len().max(1) as f64;
     let taps = plan.taps.len() as f64 * 0.4;
-    if plan.levels == 0 { 1.0 + taps } else { 3.0 + 1.5 * read + taps * 0.5 }
+    if plan.levels == 0 { 1.0 + taps } else { 2.0 + 1.2 * read + taps * 0.1 }
 }
 
 /// Smooths a field by a Gaussian of standard deviation `sigma`, in metres.
@@ -314,7 +314,7 @@ fn halve(cx: &Context<'_>, from: Plane<'_>, to: (Span, Span)) -> Result<Vec<f32>
         let (mut pairs, mut buffer) = (Vec::with_capacity(2), vec![0.0; span.len()]);
         for (j, row) in out.chunks_mut(to.0.len()).enumerate() {
             from.column_sums(2 * (first + j as i64), &[0.25, 0.0625], span, &mut buffer, &mut pairs);
-            halve_row(row, &buffer);
+            Level::best().run(HalveRow { out: row, buffer: &buffer });
         }
     })
 }
@@ -331,68 +331,128 @@ fn double(cx: &Context<'_>, from: Plane<'_>, to: (Span, Span)) -> Result<Vec<f32
             } else {
                 from.mean_rows(index.div_euclid(2), span, &mut buffer);
             }
-            double_row(row, &buffer, to.0.from.rem_euclid(2) as usize);
+            let odd = to.0.from.rem_euclid(2) as usize;
+            Level::best().run(DoubleRow { out: row, buffer: &buffer, odd });
         }
     })
 }
 
-/// The centre and weighted differences from it: `out[i] = c + Σ wₖ (aₖ + bₖ − 2 c)`, in order of k.
-#[multiversion(targets("x86_64+avx2"))]
+/// The centre and weighted differences from it, by the widest instructions of this machine.
 fn weigh(out: &mut [f32], source: &[f32], center: usize, pairs: &[[usize; 2]], weights: &[f32]) {
-    const LANES: usize = 32;
-    let (chunks, rest) = out.as_chunks_mut::<LANES>();
-    let mut x = 0;
-    for chunk in chunks {
-        let c = &source[center + x..][..LANES];
-        let mut sum = [0.0; LANES];
-        for (&[a, b], &w) in pairs.iter().zip(weights) {
-            let (a, b) = (&source[a + x..][..LANES], &source[b + x..][..LANES]);
+    Level::best().run(Weigh { out, source, center, pairs, weights });
+}
+
+/// `out[i] = c + Σ wₖ (aₖ + bₖ − 2 c)`, in order of k.
+struct Weigh<'a> {
+    out: &'a mut [f32],
+    source: &'a [f32],
+    /// Where `c` of the first point stands in the source, and the `a` and `b` of each weight.
+    center: usize,
+    pairs: &'a [[usize; 2]],
+    weights: &'a [f32],
+}
+
+impl Kernel for Weigh<'_> {
+    #[inline(always)]
+    fn run(self) {
+        const LANES: usize = 32;
+        let Self { out, source, center, pairs, weights } = self;
+        let (chunks, rest) = out.as_chunks_mut::<LANES>();
+        let mut x = 0;
+        for chunk in chunks {
+            let c = &source[center + x..][..LANES];
+            let mut sum = [0.0; LANES];
+            for (&[a, b], &w) in pairs.iter().zip(weights) {
+                let (a, b) = (&source[a + x..][..LANES], &source[b + x..][..LANES]);
+                for i in 0..LANES {
+                    sum[i] += w * ((a[i] + b[i]) - 2.0 * c[i]);
+                }
+            }
             for i in 0..LANES {
-                sum[i] += w * ((a[i] + b[i]) - 2.0 * c[i]);
+                chunk[i] = c[i] + sum[i];
+            }
+            x += LANES;
+        }
+        for o in rest {
+            let c = source[center + x];
+            let mut sum = 0.0;
+            for (&[a, b], &w) in pairs.iter().zip(weights) {
+                sum += w * ((source[a + x] + source[b + x]) - 2.0 * c);
+            }
+            *o = c + sum;
+            x += 1;
+        }
+    }
+}
+
+/// 1 4 6 4 1 on every second point: `out[i]` stands at `buffer[2 i + 2]`.
+struct HalveRow<'a> {
+    out: &'a mut [f32],
+    buffer: &'a [f32],
+}
+
+impl Kernel for HalveRow<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let buffer = &self.buffer[..2 * self.out.len() + 3];
+        for (i, o) in self.out.iter_mut().enumerate() {
+            let b = &buffer[2 * i..2 * i + 5];
+            let twice = 2.0 * b[2];
+            *o = b[2] + (0.25 * ((b[1] + b[3]) - twice) + 0.0625 * ((b[0] + b[4]) - twice));
+        }
+    }
+}
+
+/// A point between every two: `out[0]` stands at `buffer[1]`, or between it and the next when `odd` is 1.
+struct DoubleRow<'a> {
+    out: &'a mut [f32],
+    buffer: &'a [f32],
+    odd: usize,
+}
+
+impl Kernel for DoubleRow<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { out, buffer, odd } = self;
+        let even = |b: &[f32]| b[1] + 0.125 * ((b[0] + b[2]) - 2.0 * b[1]);
+        let between = |b: &[f32]| (b[1] + b[2]) * 0.5;
+        let (head, out) = out.split_at_mut(odd.min(out.len()));
+        for o in head {
+            *o = between(&buffer[..3]);
+        }
+        let buffer = &buffer[odd..];
+        let (twos, rest) = out.as_chunks_mut::<2>();
+        for (two, b) in twos.iter_mut().zip(buffer.windows(3)) {
+            *two = [even(b), between(b)];
+        }
+        for o in rest {
+            *o = even(&buffer[twos.len()..][..3]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kit::hash;
+
+    #[test]
+    fn all_instruction_sets_give_the_same_bits() {
+        let source: Vec<f32> = (0..700).map(|i| 900.0 * hash::unit(3, i) as f32).collect();
+        let weights: Vec<f32> = weights(9.0, 0.06);
+        let pairs: Vec<_> = (1..=weights.len()).map(|k| [20 - k, 20 + k]).collect();
+        let bits = |level: Level, odd: usize| {
+            let mut out = [vec![0.0; 333], vec![0.0; 333], vec![0.0; 333 + odd]];
+            let [weighed, halved, doubled] = &mut out;
+            level.run(Weigh { out: weighed, source: &source, center: 20, pairs: &pairs, weights: &weights });
+            level.run(HalveRow { out: halved, buffer: &source });
+            level.run(DoubleRow { out: doubled, buffer: &source, odd });
+            out.map(|row| row.iter().map(|v| v.to_bits()).collect::<Vec<_>>())
+        };
+        for level in Level::available() {
+            for odd in [0, 1] {
+                assert!(bits(level, odd) == bits(Level::BASELINE, odd), "{level:?}");
             }
         }
-        for i in 0..LANES {
-            chunk[i] = c[i] + sum[i];
-        }
-        x += LANES;
-    }
-    for o in rest {
-        let c = source[center + x];
-        let mut sum = 0.0;
-        for (&[a, b], &w) in pairs.iter().zip(weights) {
-            sum += w * ((source[a + x] + source[b + x]) - 2.0 * c);
-        }
-        *o = c + sum;
-        x += 1;
-    }
-}
-
-/// `out[i]` stands at `buffer[2 i + 2]`.
-#[multiversion(targets("x86_64+avx2"))]
-fn halve_row(out: &mut [f32], buffer: &[f32]) {
-    let buffer = &buffer[..2 * out.len() + 3];
-    for (i, o) in out.iter_mut().enumerate() {
-        let b = &buffer[2 * i..2 * i + 5];
-        let twice = 2.0 * b[2];
-        *o = b[2] + (0.25 * ((b[1] + b[3]) - twice) + 0.0625 * ((b[0] + b[4]) - twice));
-    }
-}
-
-/// `out[0]` stands at `buffer[1]`, or between it and the next when `odd` is 1.
-#[multiversion(targets("x86_64+avx2"))]
-fn double_row(out: &mut [f32], buffer: &[f32], odd: usize) {
-    let even = |b: &[f32]| b[1] + 0.125 * ((b[0] + b[2]) - 2.0 * b[1]);
-    let between = |b: &[f32]| (b[1] + b[2]) * 0.5;
-    let (head, out) = out.split_at_mut(odd.min(out.len()));
-    for o in head {
-        *o = between(&buffer[..3]);
-    }
-    let buffer = &buffer[odd..];
-    let (twos, rest) = out.as_chunks_mut::<2>();
-    for (two, b) in twos.iter_mut().zip(buffer.windows(3)) {
-        *two = [even(b), between(b)];
-    }
-    for o in rest {
-        *o = even(&buffer[twos.len()..][..3]);
     }
 }

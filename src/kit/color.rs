@@ -1,4 +1,4 @@
-//! Colour spaces: sRGB as picture files hold it, linear light, and OKLab, in which equal steps look equal.
+//! Colour spaces: sRGB as picture files hold it, linear light, and Oklab, in which equal steps look equal.
 
 /// Linear light from an sRGB-encoded component, 0 to 1 (IEC 61966-2-1).
 pub fn linear_from_srgb(encoded: f32) -> f32 {
@@ -12,7 +12,7 @@ pub fn srgb_from_linear(light: f32) -> f32 {
     (if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 }) as f32
 }
 
-/// Lightness and two colour axes of OKLab from linear light [ottosson2020].
+/// Lightness and two colour axes of Oklab from linear light \[ottosson2020\].
 pub fn oklab_from_linear([r, g, b]: [f32; 3]) -> [f32; 3] {
     let l = libm::cbrtf(0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b);
     let m = libm::cbrtf(0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b);
@@ -24,7 +24,7 @@ pub fn oklab_from_linear([r, g, b]: [f32; 3]) -> [f32; 3] {
     ]
 }
 
-/// Linear light from OKLab; components may leave 0 to 1 where the colour is outside sRGB [ottosson2020].
+/// Linear light from Oklab; components may leave 0 to 1 where the colour is outside sRGB \[ottosson2020\].
 pub fn linear_from_oklab([lightness, a, b]: [f32; 3]) -> [f32; 3] {
     let cube = |x: f32| x * x * x;
     let l = cube(lightness + 0.396_337_78 * a + 0.215_803_76 * b);
@@ -37,12 +37,12 @@ pub fn linear_from_oklab([lightness, a, b]: [f32; 3]) -> [f32; 3] {
     ]
 }
 
-/// OKLab from an sRGB-encoded colour.
+/// Oklab from an sRGB-encoded colour.
 pub fn oklab_from_srgb(color: [f32; 3]) -> [f32; 3] {
     oklab_from_linear(color.map(linear_from_srgb))
 }
 
-/// The sRGB encoding of an OKLab colour, clipped to what sRGB can show.
+/// The sRGB encoding of an Oklab colour, clipped to what sRGB can show.
 pub fn srgb_from_oklab(lab: [f32; 3]) -> [f32; 3] {
     linear_from_oklab(lab).map(srgb_from_linear)
 }
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn oklab_has_the_published_pairs() {
-        // Table of pairs XYZ -> OKLab in Ottosson's post, and the primaries as CSS Color 4 lists them.
+        // Table of pairs XYZ -> Oklab in Ottosson's post, and the primaries as CSS Color 4 lists them.
         for (srgb, lab) in [
             ([1.0, 1.0, 1.0], [1.0, 0.0, 0.0]),
             ([1.0, 0.0, 0.0], [0.62796, 0.22486, 0.12585]),

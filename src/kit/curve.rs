@@ -1,7 +1,7 @@
 //! Transfer curves: smooth, monotone where their points are.
 
 /// A curve through points, without overshoot: cubic pieces whose slopes are those of Fritsch and Butland
-/// [fritsch1984], as in the PCHIP of many libraries. Before the first and after the last point it goes on straight.
+/// \[fritsch1984\], as in the PCHIP of many libraries. Before the first and after the last point it goes on straight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Monotone {
     points: Vec<[f64; 2]>,
@@ -70,7 +70,7 @@ fn end_slope([h0, h1]: [f64; 2], [d0, d1]: [f64; 2]) -> f64 {
     }
 }
 
-/// Bends the way from 0 to 1 so that 1/2 comes out as `middle` (0 to 1, exclusive) [schlick1994].
+/// Bends the way from 0 to 1 so that 1/2 comes out as `middle` (0 to 1, exclusive) \[schlick1994\].
 #[inline]
 pub fn bias(t: f64, middle: f64) -> f64 {
     t / ((1.0 / middle - 2.0) * (1.0 - t) + 1.0)

@@ -1,7 +1,7 @@
 //! Derivatives of a field at a scale in metres.
 //!
 //! The gradient at a point is the difference of the field at `±s` along each axis over `2s`, with the scale `s` in
-//! metres [zevenbergen1987]. Where `±s` falls between samples, the field is read by Catmull-Rom interpolation; where
+//! metres \[zevenbergen1987\]. Where `±s` falls between samples, the field is read by Catmull-Rom interpolation; where
 //! `s` is a whole number of cells, it is the sample itself. So a slope says the same at every size of a build: on a
 //! window whose cell is larger than the scale, [`footprint`] asks for a refined lattice, and [`Derivative`] reads it
 //! at every k-th sample.
@@ -9,7 +9,7 @@
 //! No lattice finer than the base grid is asked for unless the window has one: the scale that takes effect is the
 //! larger of the scale and the cell of the lattice that was read.
 
-use super::math::{DEGREES, atan2, compass};
+use super::math::{DEGREES, atan2, compass, within};
 use super::shifted::Shifted;
 use crate::node::{Context, Cost, Reach, Result};
 use crate::units::Metres;
@@ -160,8 +160,7 @@ impl<'a> Derivative<'a> {
 /// Scales, and keeps even the differences of huge heights finite.
 fn bounded(mut values: Vec<f32>, factor: f32) -> Vec<f32> {
     for v in &mut values {
-        // `max` and `min` pass over NaN, `clamp` does not.
-        *v = (*v * factor).max(-STEEPEST).min(STEEPEST);
+        *v = within(*v * factor, STEEPEST);
     }
     values
 }

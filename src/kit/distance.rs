@@ -1,6 +1,6 @@
 //! Exact Euclidean distances to a set of samples, within a limit.
 //!
-//! Two passes over whole numbers [meijster2000]: first the distance along each column, then, along each row, the
+//! Two passes over whole numbers \[meijster2000\]: first the distance along each column, then, along each row, the
 //! lower envelope of the parabolas that these distances raise. Squared distances in cells are integers, so a result
 //! does not depend on the window it was computed on.
 

@@ -5,7 +5,7 @@ pub const DEGREES: f32 = 180.0 / std::f32::consts::PI;
 
 /// The angle of a direction in radians, from −π to π, 0 for (0, 0); error below 3e-7.
 ///
-/// Cephes' polynomial for the arc tangent up to π/8 [moshier1989], with every other angle folded onto it. Both
+/// Cephes' polynomial for the arc tangent up to π/8 \[moshier1989\], with every other angle folded onto it. Both
 /// arguments must be finite.
 #[inline]
 pub fn atan2(y: f32, x: f32) -> f32 {
@@ -39,6 +39,13 @@ pub fn compass(east: f32, north: f32) -> f32 {
 pub fn smooth(u: f32) -> f32 {
     let u = u.clamp(0.0, 1.0);
     u * u * (3.0 - 2.0 * u)
+}
+
+/// The number within `±limit`; NaN becomes a limit too.
+#[inline]
+#[allow(clippy::manual_clamp, reason = "`clamp` keeps NaN, and a field must be finite")]
+pub fn within(x: f32, limit: f32) -> f32 {
+    x.max(-limit).min(limit)
 }
 
 /// A range of a quantity that is chosen whole, and how far beyond it the choice fades out.
@@ -91,6 +98,12 @@ mod tests {
         }
         assert_eq!(compass(0.0, 0.0), 0.0);
         assert_eq!(compass(-1e-30, 1.0), 0.0);
+    }
+
+    #[test]
+    fn within_is_finite() {
+        let found = [2.0, -2.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN].map(|x| within(x, 5.0));
+        assert_eq!(found, [2.0, -2.0, 5.0, -5.0, -5.0]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The median over a disk.
 //!
 //! A window slides along each row; what it holds is counted by rank, in two levels, so that a step costs the rim of
-//! the disk and not its area [huang1979]. The median of counted samples is exact.
+//! the disk and not its area \[huang1979\]. The median of counted samples is exact.
 //!
 //! Wide disks are bounded, so that the time a sample does not grow without end. All is anchored at indices of the
 //! lattice, so a tile and the whole give the same bits:
@@ -20,7 +20,7 @@ pub const FINE: f64 = 32.0;
 /// Widest radius, in cells, at which every sample of the disk is counted.
 pub const DENSE: f64 = 128.0;
 /// Ranks that one coarse counter sums.
-const BIN: usize = 128;
+const BIN: usize = 32;
 
 /// How a median of some radius is taken.
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,12 @@
 //! Grey-scale dilation and erosion by a disk, and a soft edge.
 //!
 //! A disk is a stack of chords. The largest value under a chord is the larger of two overlapping runs whose length
-//! is a power of two, and these runs are found for a whole row by doubling [urbach2008]; so a sample costs a few
+//! is a power of two, and these runs are found for a whole row by doubling \[urbach2008\]; so a sample costs a few
 //! operations for each row of the disk, and the result is exact.
 
 use rayon::prelude::*;
 
+use super::math::within;
 use super::shifted::Shifted;
 use crate::node::{Context, Result};
 use crate::value::{Field, Grid, Raster};
@@ -68,8 +69,9 @@ pub fn disk(
 /// Half the length of the disk's chord `0, 1, … reach` rows from its centre, in cells.
 fn chords(radius: f64, cell: f64) -> Vec<usize> {
     let cells = radius / cell + 1e-9;
+    let reach = reach(radius, cell);
     let half = |d: i64| (cells * cells - (d * d) as f64).max(0.0).sqrt().floor() as usize;
-    (0..=reach(radius, cell)).map(half).collect()
+    (0..=reach).map(|d| half(d).min(reach as usize)).collect()
 }
 
 fn sweep(
@@ -176,8 +178,8 @@ pub fn blend(
                     *o += weight * ((a - h) + (b - h));
                 }
             }
-            // Differences of huge numbers may leave the range of f32; `max` and `min` pass over NaN.
-            out.iter_mut().for_each(|o| *o = o.max(f32::MIN).min(f32::MAX));
+            // Differences of huge numbers may leave the range of f32.
+            out.iter_mut().for_each(|o| *o = within(*o, f32::MAX));
         })
     };
     let rows = along(&cx.stage(0.0, 0.5), field, tall, [1, 0])?;

@@ -1,6 +1,6 @@
 //! Colour ramps: from a number between 0 and 1 to a colour.
 //!
-//! Ramps run through OKLab [ottosson2020], so that the colours between two stops are neither muddy nor banded, and
+//! Ramps run through Oklab \[ottosson2020\], so that the colours between two stops are neither muddy nor banded, and
 //! give sRGB-encoded colours, as a picture file holds them.
 
 use std::sync::LazyLock;
@@ -237,7 +237,7 @@ fn ground(height: f32, slope: f32) -> [f32; 3] {
         let u = ((x - lo) / (hi - lo)).clamp(0.0, 1.0);
         u * u * (3.0 - 2.0 * u)
     };
-    let (plain, forest, meadow, heath) = (lab(0x7b8452), lab(0x3a4d2c), lab(0x707448), lab(0x86795a));
+    let (plain, forest, meadow, heath) = (lab(0x7b8452), lab(0x43562f), lab(0x707448), lab(0x86795a));
     let (rock, pale_rock, scree, snow) = (lab(0x6a625a), lab(0x8d877f), lab(0x9b9183), lab(0xf4f6f9));
     // Green by height: fields where it is low and flat, forest, alpine meadow, then heath and scree.
     let flat = 1.0 - rise(3.0, 12.0, slope);
@@ -260,7 +260,7 @@ fn sampled(f: impl Fn(f32) -> [f32; 3]) -> Vec<Stop> {
     (0..=16).map(|i| i as f32 / 16.0).map(|at| Stop { at, color: f(at) }).collect()
 }
 
-/// Matplotlib's viridis as a polynomial of degree 6 in each channel [zucker2019].
+/// Matplotlib's viridis as a polynomial of degree 6 in each channel \[zucker2019\].
 fn viridis(t: f32) -> [f32; 3] {
     const C: [[f32; 3]; 7] = [
         [0.277_727_33, 0.005_407_344_6, 0.334_099_8],
@@ -287,7 +287,7 @@ fn hermite(value: [f32; 2], tangent: [f32; 2], u: f32) -> f32 {
     value[0] + u * (tangent[0] + u * (c + u * d))
 }
 
-/// Derivatives at the stops that make a curve without kinks and without overshoot [fritsch1980]: the harmonic
+/// Derivatives at the stops that make a curve without kinks and without overshoot \[fritsch1980\]: the harmonic
 /// mean of the slopes beside a stop, 0 at a turning point.
 fn tangents(stops: &[Stop], labs: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let secant = |i: usize, k: usize| (labs[i + 1][k] - labs[i][k]) / (stops[i + 1].at - stops[i].at);

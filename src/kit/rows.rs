@@ -1,5 +1,6 @@
 //! Working through fields row by row where they lie, without cutting windows out of larger ones first.
 
+use crate::kit::simd::{Kernel, Level};
 use crate::node::{Context, Result, Row};
 use crate::value::{Field, Grid, Quantity};
 
@@ -40,9 +41,7 @@ pub fn map(
 ) -> Result<Field> {
     let rows = Rows::of(field, &cx.grid);
     cx.fill(quantity, |row: Row, out| {
-        for (o, &x) in out.iter_mut().zip(rows.at(row.row)) {
-            *o = f(x);
-        }
+        Level::best().run(Mapped { out, from: rows.at(row.row), f: &f });
     })
 }
 
@@ -58,14 +57,45 @@ pub fn zip(
 ) -> Result<Field> {
     let (a, b) = (Rows::of(a, &cx.grid), Rows::of(b, &cx.grid));
     cx.fill(quantity, |row: Row, out| {
-        for ((o, &a), &b) in out.iter_mut().zip(a.at(row.row)).zip(b.at(row.row)) {
-            *o = f(a, b);
-        }
+        Level::best().run(Zipped { out, from: [a.at(row.row), b.at(row.row)], f: &f });
     })
 }
 
+/// A function applied to a row.
+struct Mapped<'a, F> {
+    out: &'a mut [f32],
+    from: &'a [f32],
+    f: &'a F,
+}
+
+impl<F: Fn(f32) -> f32> Kernel for Mapped<'_, F> {
+    #[inline(always)]
+    fn run(self) {
+        for (o, &x) in self.out.iter_mut().zip(self.from) {
+            *o = (self.f)(x);
+        }
+    }
+}
+
+/// A function applied to two rows.
+struct Zipped<'a, F> {
+    out: &'a mut [f32],
+    from: [&'a [f32]; 2],
+    f: &'a F,
+}
+
+impl<F: Fn(f32, f32) -> f32> Kernel for Zipped<'_, F> {
+    #[inline(always)]
+    fn run(self) {
+        let [a, b] = self.from;
+        for ((o, &a), &b) in self.out.iter_mut().zip(a).zip(b) {
+            *o = (self.f)(a, b);
+        }
+    }
+}
+
 /// From `a` to `b` by a share; 0 and 1 give them to the bit.
-#[inline]
+#[inline(always)]
 pub fn lerp(a: f32, b: f32, share: f32) -> f32 {
     if share == 1.0 { b } else { a + (b - a) * share }
 }

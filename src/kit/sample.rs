@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::kit::simd::{Kernel, Level};
 use crate::value::{Field, Quantity};
 
 /// How a field is read between its samples.
@@ -48,13 +49,19 @@ impl<'a> Sampler<'a> {
         }
     }
 
+    /// The values at many positions, those of a field of `quantity`: each brought back to what such a field may hold.
+    pub fn row(&self, method: Interpolation, quantity: Quantity, steps: &[[f64; 2]], out: &mut [f32]) {
+        Level::best().run(SampleRow { sampler: *self, method, quantity, steps, out });
+    }
+
     /// The nearest sample; of two as near the one to the south or east.
+    #[inline(always)]
     pub fn nearest(&self, [u, v]: [f64; 2]) -> f32 {
         self.data[self.line((v + 0.5).floor() as i64) + self.place((u + 0.5).floor() as i64)]
     }
 
     /// Straight in both directions between the four samples around.
-    #[inline]
+    #[inline(always)]
     pub fn bilinear(&self, [u, v]: [f64; 2]) -> f32 {
         let ((i, s), (j, t)) = (self.cell(u, 0), self.cell(v, 1));
         let (a, b) = (self.place(i), self.place(i + 1));
@@ -66,29 +73,29 @@ impl<'a> Sampler<'a> {
         top + (bottom - top) * t
     }
 
-    /// Catmull-Rom spline through the sixteen samples around [catmull1974].
-    #[inline]
+    /// Catmull-Rom spline through the sixteen samples around \[catmull1974\].
+    #[inline(always)]
     pub fn bicubic(&self, [u, v]: [f64; 2]) -> f32 {
         let ((i, s), (j, t)) = (self.cell(u, 0), self.cell(v, 1));
         let inside = |k: i64, axis: usize| k > self.first[axis] && k + 2 <= self.last[axis];
         if inside(i, 0) && inside(j, 1) {
             let start = (j - 1 - self.first[1]) as usize * self.cols + (i - 1 - self.first[0]) as usize;
-            let along = |k: usize| {
+            let lines = [0, 1, 2, 3].map(|k| {
                 let p = &self.data[start + k * self.cols..][..4];
-                catmull_rom([p[0], p[1], p[2], p[3]], s)
-            };
-            return catmull_rom([along(0), along(1), along(2), along(3)], t);
+                [p[0], p[1], p[2], p[3]]
+            });
+            return bicubic(lines, s, t);
         }
         let x = [-1, 0, 1, 2].map(|k| self.place(i + k));
-        let along = |k: i64| {
+        let lines = [-1, 0, 1, 2].map(|k| {
             let line = self.line(j + k);
-            catmull_rom(x.map(|x| self.data[line + x]), s)
-        };
-        catmull_rom([along(-1), along(0), along(1), along(2)], t)
+            x.map(|x| self.data[line + x])
+        });
+        bicubic(lines, s, t)
     }
 
     /// The sample before a position, and how far behind it the position lies, from 0 to 1.
-    #[inline]
+    #[inline(always)]
     fn cell(&self, at: f64, axis: usize) -> (i64, f32) {
         // Beyond the window all is constant along this axis: one step beyond says as much as a million.
         let at = at.clamp(self.first[axis] as f64 - 2.0, self.last[axis] as f64 + 2.0);
@@ -96,20 +103,54 @@ impl<'a> Sampler<'a> {
         (before as i64, (at - before) as f32)
     }
 
+    #[inline(always)]
     fn place(&self, col: i64) -> usize {
         (col.clamp(self.first[0], self.last[0]) - self.first[0]) as usize
     }
 
+    #[inline(always)]
     fn line(&self, row: i64) -> usize {
         (row.clamp(self.first[1], self.last[1]) - self.first[1]) as usize * self.cols
     }
 }
 
 /// The Catmull-Rom spline between `p[1]` and `p[2]`; written in differences, so that equal points give their value.
-#[inline]
+#[inline(always)]
 pub fn catmull_rom(p: [f32; 4], t: f32) -> f32 {
     let (a, b, c) = (p[0] - p[1], p[2] - p[1], p[3] - p[1]);
     p[1] + 0.5 * t * ((b - a) + t * ((2.0 * a + 4.0 * b - c) + t * (c - a - 3.0 * b)))
+}
+
+/// Splines down four columns, and one across what they give.
+#[inline(always)]
+fn bicubic(lines: [[f32; 4]; 4], s: f32, t: f32) -> f32 {
+    let mut across = [0.0; 4];
+    for (k, v) in across.iter_mut().enumerate() {
+        *v = catmull_rom([lines[0][k], lines[1][k], lines[2][k], lines[3][k]], t);
+    }
+    catmull_rom(across, s)
+}
+
+/// Many positions at once.
+struct SampleRow<'a> {
+    sampler: Sampler<'a>,
+    method: Interpolation,
+    quantity: Quantity,
+    steps: &'a [[f64; 2]],
+    out: &'a mut [f32],
+}
+
+impl Kernel for SampleRow<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { sampler, method, quantity, steps, out } = self;
+        let each = out.iter_mut().zip(steps);
+        match method {
+            Interpolation::Nearest => each.for_each(|(o, &at)| *o = sampler.nearest(at)),
+            Interpolation::Linear => each.for_each(|(o, &at)| *o = fit(quantity, sampler.bilinear(at))),
+            Interpolation::Cubic => each.for_each(|(o, &at)| *o = fit(quantity, sampler.bicubic(at))),
+        }
+    }
 }
 
 /// The method that suits what the numbers mean: labels and compass directions are never averaged.
@@ -121,15 +162,16 @@ pub fn method_for(quantity: Quantity, wanted: Interpolation) -> Interpolation {
 }
 
 /// Brings a computed value back to what a field may hold: finite, and 0 to 1 for a mask.
-#[inline]
+#[allow(clippy::manual_clamp, reason = "`max` and `min` take the other side of a NaN, `clamp` hands it on")]
+#[inline(always)]
 pub fn fit(quantity: Quantity, value: f32) -> f32 {
     if quantity == Quantity::Mask { value.max(0.0).min(1.0) } else { finite(value) }
 }
 
 /// The nearest finite value; nothing that is not a number passes.
-#[inline]
+#[allow(clippy::manual_clamp, reason = "`max` and `min` take the other side of a NaN, `clamp` hands it on")]
+#[inline(always)]
 pub fn finite(value: f32) -> f32 {
-    // `max` and `min` take the other side of a NaN, where `clamp` hands it on.
     value.max(-LARGEST).min(LARGEST)
 }
 

@@ -99,16 +99,19 @@ impl Spline {
     /// The values at one position `v` down the rows and the taps of many columns.
     pub fn row(&self, v: f64, taps: &[Tap], out: &mut [f32]) {
         let (y, wide) = (Tap::at(v, self.rows), self.cols + 2);
-        let mut line = vec![0.0f32; wide + 2];
+        // Only the stretch of the line that the taps reach is put together: a tile of a large raster is small.
+        let reach = |(lo, hi): (usize, usize), t: &Tap| (lo.min(t.first), hi.max(t.first + 4));
+        let (from, to) = taps.iter().fold((usize::MAX, 0), reach);
+        let mut line = vec![0.0f32; to.saturating_sub(from)];
         let lines = 4.min(self.rows + 2 - y.first);
         for (j, weight) in y.weights.iter().enumerate().take(lines) {
             let row = &self.coefficients[(y.first + j) * wide..][..wide];
-            for (sum, c) in line.iter_mut().zip(row) {
+            for (sum, c) in line.iter_mut().zip(row.get(from..).unwrap_or(&[])) {
                 *sum += c * weight;
             }
         }
         for (o, tap) in out.iter_mut().zip(taps) {
-            let c = &line[tap.first..tap.first + 4];
+            let c = &line[tap.first - from..][..4];
             let w = tap.weights;
             *o = c[0] * w[0] + c[1] * w[1] + c[2] * w[2] + c[3] * w[3];
         }

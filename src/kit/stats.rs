@@ -53,7 +53,7 @@ pub fn histogram(field: &Field, [lo, hi]: [f64; 2], bins: usize) -> Vec<u64> {
         counts
     };
     // Whole numbers add up to the same in any order.
-    field.data().par_chunks(1 << 16).map(count).reduce(
+    field.data().par_chunks(1 << 20).map(count).reduce(
         || vec![0; last + 1],
         |mut a, b| {
             a.iter_mut().zip(b).for_each(|(a, b)| *a += b);

@@ -542,3 +542,21 @@ mod files {
         assert!(read_with(&e, &top.path().join("other.bin").to_string_lossy()).is_err());
     }
 }
+
+#[test]
+fn what_a_node_does_not_use_is_neither_run_nor_in_its_key() {
+    let mut g = graph(json!({
+        "hills": { "kind": "waves" },
+        "bad": { "kind": "not_a_number" },
+        "either": { "kind": "switch", "in": { "a": "hills.field", "b": "bad.field" } },
+    }));
+    let e = engine(1);
+    let taken = evaluate(&e, &g, "either", grid(&g, 65));
+    assert_eq!(ran(&taken), ["either", "hills"]);
+    let key = e.key(&g, g.find("either").unwrap());
+    let (either, other) = (g.find("either").unwrap(), g.find("hills").unwrap());
+    g.connect(other, "field", either, "b").unwrap();
+    assert_eq!(e.key(&g, either), key);
+    g.assign("either.choice", "1").unwrap();
+    assert_ne!(e.key(&g, either), key);
+}

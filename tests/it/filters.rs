@@ -23,7 +23,7 @@ fn world() -> Terrain {
 
 /// A window of the lattice of 257 samples (8 m).
 fn window(from: [i64; 2], end: [i64; 2]) -> Grid {
-    Grid::between(world().grid(257).unwrap().lattice, from, end)
+    Grid::between(world().grid(257).expect("a size that fits").lattice, from, end)
 }
 
 /// The terrain and half a terrain around it, on the lattice of a grid.
@@ -31,6 +31,18 @@ fn apron(grid: &Grid) -> Grid {
     let half = i64::from(grid.lattice.intervals) / 2;
     let rows = i64::from(grid.lattice.intervals) * 3 / 4;
     Grid::between(grid.lattice, [-half, -half], [half * 3 + 1, rows + half + 1])
+}
+
+/// A window cut to the apron, never to nothing.
+fn clipped(window: &Grid) -> Grid {
+    let apron = apron(window);
+    let cut = |from: i64, end: i64, [lo, hi]: [i64; 2]| {
+        let from = from.clamp(lo, hi - 1);
+        [from, end.clamp(from + 1, hi)]
+    };
+    let [col, col_end] = cut(window.col, window.col_end(), [apron.col, apron.col_end()]);
+    let [row, row_end] = cut(window.row, window.row_end(), [apron.row, apron.row_end()]);
+    Grid::between(window.lattice, [col, row], [col_end, row_end])
 }
 
 /// Hills with noise at every sample and a cliff.
@@ -46,7 +58,7 @@ fn field(grid: &Grid, f: impl Fn(f64, f64) -> f64) -> Field {
     Field::from_fn(*grid, Quantity::Elevation, |x, y| f(x, y) as f32)
 }
 
-type Source<'a> = &'a dyn Fn(&str, &Grid) -> Option<Value>;
+type Source<'a> = &'a (dyn Fn(&str, &Grid) -> Option<Value> + Sync);
 
 fn rough_field(port: &str, grid: &Grid) -> Option<Value> {
     matches!(port, "field" | "a" | "b").then(|| Value::Field(rough(grid)))
@@ -61,11 +73,11 @@ fn run_any(node: &dyn AnyNode, ports: &[&'static str], at: Grid, source: Source<
     };
     let summary: Option<Summary> = node.needs_summary().then(|| {
         let base = terrain.base_grid();
-        node.summarize(&Context::bare(base, &terrain, &cancel), wires(&|_| base)).unwrap()
+        node.summarize(&Context::bare(base, &terrain, &cancel), wires(&|_| base)).expect("a summary")
     });
     let cx = Context { whole: summary.as_ref(), ..Context::bare(at, &terrain, &cancel) };
-    let inputs = wires(&|p| node.footprint(p, &at, &terrain).intersection(&apron(&at)));
-    let out = node.run(&cx, inputs)?.get("field").cloned().unwrap();
+    let inputs = wires(&|p| clipped(&node.footprint(p, &at, &terrain)));
+    let out = node.run(&cx, inputs)?.get("field").cloned().expect("an output `field`");
     assert_eq!(*out.grid(), at);
     assert_eq!(out.first_not_finite(), None, "{node:?}");
     Ok(out)
@@ -73,7 +85,7 @@ fn run_any(node: &dyn AnyNode, ports: &[&'static str], at: Grid, source: Source<
 
 fn run<N: Node>(node: &N, at: Grid, source: Source<'_>) -> Field {
     let ports: Vec<_> = N::In::PORTS.iter().map(|p| p.name).collect();
-    match run_any(node, &ports, at, source).unwrap() {
+    match run_any(node, &ports, at, source).expect("a result") {
         Value::Field(field) => field,
         other => panic!("a field, got {:?}", other.wire_type()),
     }
@@ -105,37 +117,54 @@ fn tiles_equal_whole<N: Node>(node: &N, source: Source<'_>) {
     ];
     for tile in tiles {
         let part = run(node, tile, source);
-        assert_eq!(bits(&part), bits(&whole.crop(&tile)), "{node:?} on {tile:?}");
+        assert!(bits(&part) == bits(&whole.crop(&tile)), "{node:?} on {tile:?}");
     }
-    // And from inputs on larger windows than asked for.
+    // And from inputs on larger windows than asked for, where what was not asked for is poison.
     let tile = window([40, 31], [90, 66]);
     let part = run(node, tile, &|port, grid| {
-        let more = grid.grow_cells(13).intersection(&apron(grid));
-        source(port, &if grid.is_empty() { *grid } else { more })
+        if grid.lattice == world().base_grid().lattice || grid.is_empty() {
+            return source(port, grid);
+        }
+        source(port, &clipped(&grid.grow_cells(13))).map(|value| poisoned(value, grid))
     });
-    assert_eq!(bits(&part), bits(&whole.crop(&tile)), "{node:?} from a larger input");
+    assert!(bits(&part) == bits(&whole.crop(&tile)), "{node:?} from a larger input");
+}
+
+/// A field with a huge value wherever a window does not reach.
+fn poisoned(value: Value, keep: &Grid) -> Value {
+    let Value::Field(field) = value else { return value };
+    let grid = *field.grid();
+    let inside = |i: usize| {
+        let (col, row) = (grid.col + (i % grid.cols) as i64, grid.row + (i / grid.cols) as i64);
+        (keep.col..keep.col_end()).contains(&col) && (keep.row..keep.row_end()).contains(&row)
+    };
+    let data = field.data().iter().enumerate().map(|(i, &v)| if inside(i) { v } else { 1e30 }).collect();
+    Value::Field(Field::new(grid, field.quantity(), data))
 }
 
 fn same_for_any_threads<N: Node>(node: &N, source: Source<'_>) {
     let at = window([-31, -7], [200, 150]);
     let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         // The source is not shared between threads: its values are made first, on the widest window.
         let wide = node_inputs::<N>(node, at, source);
-        pool.install(|| bits(&run(node, at, &|p, g| wide.get(p).map(|v| v.crop(g)))))
+        let given = |p: &str, g: &Grid| {
+            if g.lattice == at.lattice { wide.get(p).map(|v| v.crop(g)) } else { source(p, g) }
+        };
+        pool.install(|| bits(&run(node, at, &given)))
     };
     let one = with(1);
     assert!(one == with(2) && one == with(7), "{node:?}");
 }
 
 fn node_inputs<N: Node>(node: &N, at: Grid, source: Source<'_>) -> Wires {
-    let on = |p: &str| Node::footprint(node, p, &at, &world()).intersection(&apron(&at));
+    let on = |p: &str| clipped(&Node::footprint(node, p, &at, &world()));
     N::In::PORTS.iter().filter_map(|p| Some((p.name, source(p.name, &on(p.name))?))).collect()
 }
 
 #[test]
 fn windows_and_threads_do_not_matter() {
-    for cells in [0.3, 1.0, 5.0, 6.0, 13.0, 40.0, 100.0, 700.0] {
+    for cells in [0.3, 1.0, 6.0, 7.0, 14.0, 40.0, 100.0, 700.0] {
         tiles_equal_whole(&Blur { radius: Metres(cells * CELL) }, &rough_field);
     }
     for cells in [1.0, 4.6] {
@@ -146,6 +175,7 @@ fn windows_and_threads_do_not_matter() {
     tiles_equal_whole(&Warp::default(), &rough_field);
     tiles_equal_whole(&Warp { limit: Metres(50.0), factor: Number(700.0), ..Warp::default() }, &displaced);
     tiles_equal_whole(&turned(), &rough_field);
+    tiles_equal_whole(&Transform { scale: Number(2.5), ..turned() }, &rough_field);
     tiles_equal_whole(&Terrace::default(), &rough_field);
     tiles_equal_whole(&Equalize::default(), &rough_field);
     tiles_equal_whole(&Remap::default(), &rough_field);
@@ -165,7 +195,7 @@ fn wide_medians_do_not_depend_on_the_window() {
     tiles_equal_whole(&Median { radius: Metres(70.0 * CELL) }, &rough_field);
     let (a, b) = (window([3, 5], [40, 30]), window([9, 7], [20, 29]));
     let node = Median { radius: Metres(150.0 * CELL) };
-    assert_eq!(bits(&run(&node, a, &rough_field).crop(&b)), bits(&run(&node, b, &rough_field)));
+    assert!(bits(&run(&node, a, &rough_field).crop(&b)) == bits(&run(&node, b, &rough_field)));
 }
 
 fn turned() -> Transform {
@@ -199,7 +229,7 @@ fn line(from: i64, values: Vec<f32>) -> Field {
 
 fn blurred(input: &Field, at: Grid, sigma: f64) -> Field {
     let (terrain, cancel) = (world(), Cancel::default());
-    blur::gaussian(&Context::bare(at, &terrain, &cancel), input, at, sigma).unwrap()
+    blur::gaussian(&Context::bare(at, &terrain, &cancel), input, at, sigma).expect("a blur")
 }
 
 /// Weights of a Gaussian at distances 0, 1, …, cut at 9 sigma and summing to 1.
@@ -241,8 +271,8 @@ fn worst_error(sigma: f64, at: i64) -> f64 {
 #[test]
 fn no_input_blurs_further_from_the_direct_sum_than_a_ten_thousandth() {
     // Two axes: each may make half of it.
-    for sigma in [0.2, 0.5, 1.0, 3.0, 5.9, 6.0, 6.7, 8.0, 11.99, 12.0, 17.0, 24.0] {
-        let phases = if sigma < 12.0 { 2 } else { 4 };
+    for sigma in [0.2, 0.5, 1.0, 3.0, 6.9, 7.0, 7.7, 9.0, 13.9, 14.0, 17.0, 28.0] {
+        let phases = if sigma < 14.0 { 2 } else { 4 };
         let worst = (0..phases).map(|at| worst_error(sigma, 100 + at)).fold(0.0, f64::max);
         assert!(worst < 0.5e-4, "sigma {sigma}: {worst}");
     }
@@ -254,7 +284,7 @@ fn wide_blurs_match_the_direct_sum() {
     let noise: Vec<f32> = (0..n).map(|i| hash::unit(5, i as u64) as f32).collect();
     let step: Vec<f32> = (0..n).map(|i| f32::from(i > 1411)).collect();
     let comb: Vec<f32> = (0..n).map(|i| f32::from(i / 64 % 2 == 1)).collect();
-    for sigma in [3.0, 6.0, 23.9, 48.0, 100.0, 191.0, 192.0, 400.0] {
+    for sigma in [3.0, 7.0, 27.9, 56.0, 100.0, 223.0, 224.0, 400.0] {
         for values in [&noise, &step, &comb] {
             let input = line(-777, values.clone());
             let (got, want) = (blurred(&input, *input.grid(), sigma), convolved(values, sigma));
@@ -315,7 +345,7 @@ fn blur_keeps_what_is_flat_or_rises_evenly() {
 fn identities_change_no_bit() {
     let at = window([-5, 2], [60, 50]);
     let input = rough(&at);
-    let same = |name: &str, out: Field| assert_eq!(bits(&out), bits(&input), "{name}");
+    let same = |name: &str, out: Field| assert!(bits(&out) == bits(&input), "{name}");
     same("blur", on(&Blur { radius: Metres(0.0) }, &input));
     same("median", on(&Median { radius: Metres(7.0) }, &input));
     same("sharpen", on(&Sharpen { amount: Number(0.0), ..Sharpen::default() }, &input));
@@ -327,12 +357,10 @@ fn identities_change_no_bit() {
     same("combine", run(&Combine { strength: Ratio(0.0), ..Combine::default() }, at, &rough_field));
     same("mix", run(&Mix { amount: Ratio(0.0) }, at, &rough_field));
     let points = [[0.0, 0.0], [0.3, 0.3], [1.0, 1.0]].map(|p| p.map(Ratio)).to_vec();
-    same("curve", on(&Curve { points, ..Curve::default() }, &input));
+    same("curve", run(&Curve { points, ..Curve::default() }, at, &rough_field));
     let wide = Clamp { low: Number(-1e4), high: Number(1e4), knee: Number(0.0) };
     same("clamp", on(&wide, &input));
     same("clamp", on(&Clamp { knee: Number(500.0), ..wide }, &input));
-    let about = invert::About::Value { value: Number(256.0) };
-    same("invert", on(&Invert { about }, &on(&Invert { about }, &input)));
 }
 
 #[test]
@@ -467,6 +495,19 @@ fn transform_turns_and_scales_a_smooth_field_as_the_formula_says() {
 }
 
 #[test]
+fn enlarging_shows_the_detail_of_a_finer_lattice() {
+    // Waves of 6 m, which samples 8 m apart cannot hold, drawn four times as large.
+    let waves = |x: f64, _: f64| 10.0 * libm::sin(x * std::f64::consts::TAU / 6.0);
+    let at = window([100, 90], [140, 96]);
+    let node = Transform { scale: Number(4.0), ..Transform::default() };
+    let got = run(&node, at, &|_, g| Some(Value::Field(field(g, waves))));
+    for (i, &v) in got.row(3).iter().enumerate() {
+        let want = waves(1324.0 + (at.x(i) - 1324.0) / 4.0, 0.0);
+        assert!((f64::from(v) - want).abs() < 0.01, "{v}, not {want}");
+    }
+}
+
+#[test]
 fn warp_fetches_from_where_the_displacement_points_within_its_limit() {
     let at = window([50, 50], [70, 60]);
     let fetched = |dx: f64, dy: f64, limit: f64| {
@@ -491,7 +532,7 @@ fn built_in_warp_reaches_about_its_amplitude_and_not_beyond_its_limit() {
     let at = window([0, 0], [200, 150]);
     let east = |g: &Grid| field(g, |x, _| x);
     let warped = |limit| {
-        let node = Warp { limit: Metres(limit), amplitude: Metres(80.0), octaves: 1, ..Warp::default() };
+        let node = Warp { limit: Metres(limit), amplitude: Metres(120.0), octaves: 1, ..Warp::default() };
         let got = run(&node, at, &|p, g| (p == "field").then(|| Value::Field(east(g))));
         got.data().iter().zip(east(&at).data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
     };
@@ -559,7 +600,9 @@ fn curve_is_the_monotone_cubic_of_scipy() {
 
 /// Runs a node on single values.
 fn values<N: Node>(node: &N, quantity: Quantity, values: &[f32]) -> (Vec<f32>, Quantity) {
-    let at = window([0, 0], [values.len() as i64, 1]);
+    // Many values stand in rows of a hundred, so that they stay on the terrain.
+    let cols = if values.len() > 100 { 100 } else { values.len() };
+    let at = window([0, 0], [cols as i64, (values.len() / cols) as i64]);
     let input = Field::new(at, quantity, values.to_vec());
     let out = run(node, at, &|port, g| {
         // The summary sees the same values, on the base grid.
@@ -630,13 +673,15 @@ fn terraces_rise_keep_their_levels_and_flatten_their_treads() {
         assert!(got.windows(2).all(|w| w[1] >= w[0]), "rises with the field");
         assert!(got.iter().zip(&ramp).all(|(y, x)| (y - x).abs() <= 1.9 * 60.0));
         let flat = got.windows(2).filter(|w| w[1] - w[0] < 0.15).count();
-        assert!(flat > 800, "{flat} of 1999 steps of 0.5 m became less than 0.15 m");
+        assert!(flat > 400, "{flat} of 1999 steps of 0.5 m became less than 0.15 m");
     }
     let counted = Terrace { steps: Steps::Count { count: 4 }, ..even };
-    let mut levels: Vec<i32> =
-        values(&counted, Quantity::Elevation, &ramp).0.iter().map(|v| v.round() as i32).collect();
-    levels.dedup_by(|a, b| (*a - *b).abs() <= 1);
-    assert!(levels.len() < 12 && levels.contains(&-300) && levels.contains(&-50), "{levels:?}");
+    let got = values(&counted, Quantity::Elevation, &ramp).0;
+    let levels: Vec<f32> = (0..4).map(|i| -300.0 + i as f32 * (ramp[1999] - ramp[0]) / 4.0).collect();
+    for level in levels {
+        let near = got.iter().filter(|v| (*v - level).abs() < 4.0).count();
+        assert!(near > 470, "{near} of 500 near {level}");
+    }
 }
 
 #[test]
@@ -798,7 +843,8 @@ fn extremes(shape: &Shape) -> Vec<Json> {
 #[test]
 fn results_are_finite_for_every_allowed_parameter_and_hostile_inputs() {
     let at = window([-3, 20], [14, 33]);
-    let inputs: [(&str, fn(i64, i64) -> f32); 4] = [
+    type Pattern = fn(i64, i64) -> f32;
+    let inputs: [(&str, Pattern); 4] = [
         ("huge", |c, r| if (c + r) % 2 == 0 { 1e9 } else { -1e9 }),
         ("tiny", |c, _| if c % 3 == 0 { 1e-40 } else { -1e-40 }),
         ("flat", |_, _| 1e9),

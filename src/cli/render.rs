@@ -1,0 +1,253 @@
+//! `orograph render`: a shaded picture of a graph's output or of a height file.
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+
+use super::args::{EngineArgs, GraphArgs, GridArgs};
+use super::exit::{Exit, Stop, save};
+use super::info::is_graph;
+use super::open::{self, Opened};
+use super::plan::{chosen, want};
+use super::progress::{Mode, Progress};
+use crate::engine::{Engine, SharedFailure, Want};
+use crate::files::{Limits, fill_voids, read_height, sidecar_name};
+use crate::graph::Source;
+use crate::node::Cancel;
+use crate::nodes::Registry;
+use crate::render::{Camera, Edge, Palette, Picture, Scene, Sun, Watch, map, perspective};
+use crate::value::{Colors, Field, Grid, Lattice, Quantity, Value, WireType};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// A .graph file or a height file
+    #[command(flatten)]
+    graph: GraphArgs,
+    /// The PNG to write
+    #[arg(short = 'o', long = "out", value_name = "PNG")]
+    out: PathBuf,
+    /// The output of the graph to draw [default: the first that is a field]
+    #[arg(long = "output", value_name = "NAME")]
+    output: Option<String>,
+    /// The output of the graph to colour the ground with
+    #[arg(long, value_name = "NAME")]
+    color: Option<String>,
+    #[command(flatten)]
+    grid: GridArgs,
+    /// A map from above or a perspective
+    #[arg(long, value_enum, default_value_t = View::Map)]
+    view: View,
+    /// Columns of the picture [default: 1280, or the samples of a map up to 2048]
+    #[arg(long, value_name = "PIXELS")]
+    width: Option<usize>,
+    /// Rows of a perspective [default: five eighths of the columns]
+    #[arg(long, value_name = "PIXELS")]
+    height: Option<usize>,
+    /// Colours of the ground: satellite, clay, or the name of a ramp
+    #[arg(long, value_name = "NAME")]
+    palette: Option<String>,
+    /// Compass direction the light comes from, and its height above the horizon, in degrees
+    #[arg(long, value_name = "AZIMUTH,ALTITUDE", allow_hyphen_values = true)]
+    sun: Option<String>,
+    /// Factor on heights
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    exaggeration: f64,
+    /// Depth of cast shadows, 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
+    shadow: f64,
+    /// Thickness of the air in a perspective
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    haze: f64,
+    /// Exposure, in stops
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true)]
+    exposure: f64,
+    /// Height of the water in metres, or `none` [default: the graph's sea level where the terrain reaches below it]
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    water: Option<String>,
+    /// Metres between contour lines on a map
+    #[arg(long, value_name = "METRES")]
+    contours: Option<f64>,
+    /// Direction, downward pitch and field of view of the camera, in degrees
+    #[arg(long, value_name = "AZIMUTH,PITCH,FOV", allow_hyphen_values = true)]
+    camera: Option<String>,
+    /// Metres from the camera to the point it looks at [default: far enough to see the whole]
+    #[arg(long, value_name = "METRES")]
+    distance: Option<f64>,
+    /// The point the camera looks at, east, south and elevation in metres
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    look_at: Option<String>,
+    /// What lies where the terrain ends: block or haze
+    #[arg(long, value_name = "EDGE")]
+    edge: Option<String>,
+    /// Metres a unit of a height file that does not say
+    #[arg(long, value_name = "METRES", default_value_t = 1.0)]
+    height_scale: f64,
+    /// Metres between the samples of a height file that does not say
+    #[arg(long, value_name = "METRES")]
+    cell: Option<f64>,
+    #[command(flatten)]
+    engine: EngineArgs,
+    /// How progress is shown on standard error [default: a bar on a terminal]
+    #[arg(long, value_enum)]
+    progress: Option<Mode>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum View {
+    /// From above, north up
+    Map,
+    /// From a camera
+    Perspective,
+}
+
+/// What is to be drawn.
+struct Subject {
+    height: Field,
+    color: Option<Colors>,
+    sea_level: Option<f64>,
+}
+
+pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
+    let progress = Progress::new(args.progress);
+    let subject = if is_graph(&args.graph.graph) {
+        from_graph(args, registry, &progress, cancel)
+    } else {
+        from_file(args)
+    };
+    let picture = subject.and_then(|s| draw(args, &s, cancel));
+    progress.end();
+    let png = picture?.to_png().map_err(|e| Stop::new(Exit::Failed, e))?;
+    save(&args.out, &png)?;
+    Ok(Exit::Done)
+}
+
+fn from_graph(
+    args: &Args,
+    registry: &Registry,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Subject, Stop> {
+    let Opened { graph, files, problems, .. } = open::open(&args.graph, registry)?;
+    problems.iter().filter(|p| p.is_error()).for_each(|p| progress.say(&format!("error: {p}")));
+    let (_, window) = args.grid.grids(graph.terrain())?;
+    let wanted = |name: &String| want(&graph, name, window).map_err(|e| Stop::new(Exit::Graph, e));
+    let named = |name: &String| chosen(&graph, std::slice::from_ref(name)).and_then(|_| wanted(name));
+    let height = match &args.output {
+        Some(name) => named(name)?,
+        None => {
+            let fields = chosen(&graph, &[])?.into_iter().filter_map(|name| wanted(&name).ok());
+            let mut fields = fields
+                .filter(|w| graph.wire_type(Source { node: w.node, port: w.port }) == Some(WireType::Field));
+            fields.next().ok_or_else(|| Stop::usage("the graph has no output that is a field"))?
+        }
+    };
+    let color = args.color.as_ref().map(named).transpose()?;
+    let engine = Engine::new(&args.engine.options(), files)?;
+    let wants: Vec<Want> = [height].into_iter().chain(color).collect();
+    let evaluation = engine.evaluate(&graph, &wants, progress, cancel)?;
+    subject(graph.terrain().sea_level, evaluation.values)
+}
+
+/// What the values of the height output and, where one is wanted, the colour output show.
+fn subject(sea: f64, values: Vec<Result<Value, SharedFailure>>) -> Result<Subject, Stop> {
+    let mut values = values.into_iter();
+    let mut next = || values.next().map(|v| v.map_err(|f| Stop::new(Exit::of(&f), f))).transpose();
+    let height = match next()? {
+        Some(Value::Field(f)) => f,
+        _ => return Err(Stop::usage("--output must name an output that is a field")),
+    };
+    let color = match next()? {
+        Some(Value::Colors(c)) => Some(c),
+        None => None,
+        _ => return Err(Stop::usage("--color must name an output that is colours")),
+    };
+    // A terrain that stays above the sea is drawn without one; a mask or an angle has no sea at all.
+    let wet =
+        height.quantity() == Quantity::Elevation && height.range().is_some_and(|(lo, _)| f64::from(lo) < sea);
+    Ok(Subject { height, color, sea_level: wet.then_some(sea) })
+}
+
+fn from_file(args: &Args) -> Result<Subject, Stop> {
+    let path: &Path = &args.graph.graph;
+    let name = path.to_string_lossy();
+    let bytes =
+        std::fs::read(path).map_err(|e| Stop::new(Exit::Input, format!("cannot read {name}: {e}")))?;
+    let sidecar = std::fs::read(sidecar_name(&name)).ok();
+    let mut file = read_height(&name, &bytes, sidecar.as_deref(), &Limits::default())
+        .map_err(|e| Stop::new(Exit::Input, e))?;
+    fill_voids(file.cols, file.rows, &mut file.data);
+    if args.height_scale != 1.0 {
+        file.data.iter_mut().for_each(|z| *z *= args.height_scale as f32);
+    }
+    // Cells that are not square, as those of degrees, are drawn by their mean.
+    let own = file.placement.cell.map(|[x, y]| (x * y).sqrt());
+    let cell = args.cell.or(own).unwrap_or(1.0);
+    let intervals = (file.cols.max(file.rows) - 1).max(1) as u32;
+    let lattice = Lattice { origin: [0.0, 0.0], span: cell * f64::from(intervals), intervals };
+    let grid = Grid { lattice, col: 0, row: 0, cols: file.cols, rows: file.rows };
+    Ok(Subject { height: Field::new(grid, Quantity::Elevation, file.data), color: None, sea_level: None })
+}
+
+fn draw(args: &Args, subject: &Subject, cancel: &Cancel) -> Result<Picture, Stop> {
+    let mut scene = Scene::new(&subject.height);
+    scene.color = subject.color.as_ref();
+    scene.sea_level = match args.water.as_deref() {
+        None => subject.sea_level,
+        Some("none") => None,
+        Some(text) => Some(numbers::<1>("--water", text)?[0]),
+    };
+    if let Some(name) = &args.palette {
+        scene.palette = Palette::named(name).ok_or_else(|| {
+            let names: Vec<_> = Palette::names().collect();
+            Stop::usage(format!("--palette must be one of {}, got `{name}`", names.join(", ")))
+        })?;
+    }
+    if let Some(text) = &args.sun {
+        let [azimuth, altitude] = numbers("--sun", text)?;
+        scene.sun = Sun { azimuth, altitude };
+    }
+    scene.exaggeration = args.exaggeration;
+    scene.shadow = args.shadow;
+    scene.haze = args.haze;
+    scene.exposure = args.exposure;
+    scene.contours = args.contours;
+    let watch = Watch::quiet(cancel);
+    let drawn = match args.view {
+        View::Map => {
+            map(&scene, args.width.or_else(|| (subject.height.grid().cols > 2048).then_some(2048)), &watch)
+        }
+        View::Perspective => perspective(&scene, &camera(args)?, &watch),
+    };
+    drawn.map_err(|e| match e {
+        crate::node::Error::Cancelled => Stop::new(Exit::Cancelled, e),
+        crate::node::Error::Parameter { .. } => Stop::usage(e),
+        _ => Stop::new(Exit::Failed, e),
+    })
+}
+
+fn camera(args: &Args) -> Result<Camera, Stop> {
+    let mut camera = Camera::default();
+    camera.width = args.width.unwrap_or(camera.width);
+    camera.height = args.height.unwrap_or(camera.width * 5 / 8);
+    camera.distance = args.distance;
+    if let Some(text) = &args.camera {
+        let [azimuth, pitch, field_of_view] = numbers("--camera", text)?;
+        camera = Camera { azimuth, pitch, field_of_view, ..camera };
+    }
+    camera.look_at = args.look_at.as_deref().map(|t| numbers("--look-at", t)).transpose()?;
+    if let Some(name) = &args.edge {
+        let edge = Edge::named(name);
+        camera.edge =
+            edge.ok_or_else(|| Stop::usage(format!("--edge must be block or haze, got `{name}`")))?;
+    }
+    Ok(camera)
+}
+
+/// So many numbers, separated by commas.
+fn numbers<const N: usize>(option: &str, text: &str) -> Result<[f64; N], Stop> {
+    let parsed: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
+    let finite = parsed.filter(|v| v.iter().all(|x| x.is_finite()));
+    finite
+        .and_then(|v| v.try_into().ok())
+        .ok_or_else(|| Stop::usage(format!("{option} takes {N} numbers separated by commas, got `{text}`")))
+}

@@ -1,0 +1,205 @@
+//! Esri ASCII grids.
+
+use std::str::FromStr;
+
+use rayon::prelude::*;
+
+use super::error::Fault;
+use super::format::Source;
+use super::height::{HeightFile, Limits, Origin};
+use super::place::{Affine, Anchor, Placement, Units};
+
+/// Bytes of text that one task parses.
+const PIECE: usize = 1 << 20;
+
+/// Reads a grid.
+pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<HeightFile, Fault> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let (header, body) = Header::parse(bytes)?;
+    let total = limits.samples(header.cols, header.rows)?;
+    // A number takes a digit and, but for the last, a blank.
+    let want = 2 * total as u64 - 1;
+    if want > body.len() as u64 {
+        return Err(Fault::Short { what: "that many numbers", want, found: body.len() as u64 });
+    }
+    let data = numbers(body, total, header.nodata)?;
+    let (cols, rows) = (header.cols as usize, header.rows as usize);
+    let mut origin = Origin::new(Source::Asc, "text");
+    origin.nodata = header.nodata;
+    Ok(HeightFile { cols, rows, data, metres: true, placement: header.placement([cols, rows]), origin })
+}
+
+/// The lines before the numbers.
+#[derive(Debug, Default)]
+struct Header {
+    cols: u64,
+    rows: u64,
+    corner: [Option<f64>; 2],
+    center: [Option<f64>; 2],
+    cell: [Option<f64>; 2],
+    nodata: Option<f64>,
+}
+
+impl Header {
+    /// Reads the keys; gives what follows.
+    fn parse(mut text: &[u8]) -> Result<(Self, &[u8]), Fault> {
+        let (mut header, mut cols, mut rows) = (Self::default(), None, None);
+        loop {
+            text = text.trim_ascii_start();
+            if let [b'#' | b'/' | b'!', ..] = text {
+                text = line(text).1;
+                continue;
+            }
+            if !text.first().is_some_and(|c| c.is_ascii_alphabetic()) || is_nan(word(text).0) {
+                break;
+            }
+            let (key, rest) = word(text);
+            let (value, rest) = word(rest.trim_ascii_start());
+            let key = String::from_utf8_lossy(&key[..key.len().min(40)]).to_ascii_lowercase();
+            let number = parse::<f64>(value)
+                .filter(|v| v.is_finite() || key.starts_with("nodata"))
+                .ok_or_else(|| Fault::Damaged(format!("`{key}` needs a number, got {}", brief(value))))?;
+            let count = |v: f64| (v >= 1.0 && v.fract() == 0.0 && v < 1e15).then_some(v as u64);
+            match key.trim_end_matches(':') {
+                "ncols" => cols = count(number),
+                "nrows" => rows = count(number),
+                "xllcorner" => header.corner[0] = Some(number),
+                "yllcorner" => header.corner[1] = Some(number),
+                "xllcenter" | "xllcentre" => header.center[0] = Some(number),
+                "yllcenter" | "yllcentre" => header.center[1] = Some(number),
+                "cellsize" => header.cell = [Some(number); 2],
+                "dx" | "xdim" => header.cell[0] = Some(number),
+                "dy" | "ydim" => header.cell[1] = Some(number),
+                "nodata_value" | "nodata" => header.nodata = Some(number),
+                _ => return Err(Fault::Damaged(format!("an unknown key `{key}`"))),
+            }
+            text = rest;
+        }
+        let need = |v: Option<u64>, key: &str| {
+            v.ok_or_else(|| Fault::Damaged(format!("no `{key}` with a whole number above 0")))
+        };
+        (header.cols, header.rows) = (need(cols, "ncols")?, need(rows, "nrows")?);
+        if let Some(cell) = header.cell.iter().flatten().find(|c| **c <= 0.0) {
+            return Err(Fault::Damaged(format!("a cell of {cell}")));
+        }
+        Ok((header, text))
+    }
+
+    fn placement(&self, size: [usize; 2]) -> Placement {
+        let [Some(dx), Some(dy)] = self.cell else { return Placement::default() };
+        let anchor = if self.center[0].is_some() { Anchor::Point } else { Anchor::Area };
+        let west = self.center[0].or(self.corner[0].map(|x| x + dx / 2.0));
+        let south = self.center[1].or(self.corner[1].map(|y| y + dy / 2.0));
+        let (Some(west), Some(south)) = (west, south) else { return Placement::of_cell([dx, dy]) };
+        let affine = Affine::upright([west, south + dy * (size[1] - 1) as f64], [dx, dy]);
+        Placement::new(affine, anchor, None, Units::guess(&affine, size), size)
+    }
+}
+
+/// The first line, and what follows.
+fn line(text: &[u8]) -> (&[u8], &[u8]) {
+    let end = text.iter().position(|c| matches!(c, b'\n' | b'\r')).unwrap_or(text.len());
+    text.split_at(end)
+}
+
+/// The first word, and what follows.
+fn word(text: &[u8]) -> (&[u8], &[u8]) {
+    let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+    text.split_at(end)
+}
+
+fn brief(word: &[u8]) -> String {
+    let text: String = String::from_utf8_lossy(&word[..word.len().min(80)]).chars().take(30).collect();
+    format!("`{text}`")
+}
+
+fn is_nan(word: &[u8]) -> bool {
+    [&b"nan"[..], b"inf", b"infinity"].iter().any(|w| word.eq_ignore_ascii_case(w))
+}
+
+/// A number in the ways that people's programs write it: `1.5`, `1,5`, `1e3`, `1.5,`, `nan`.
+fn parse<T: FromStr>(word: &[u8]) -> Option<T> {
+    let text = std::str::from_utf8(word).ok()?;
+    if let Ok(v) = text.parse() {
+        return Some(v);
+    }
+    let text = text.trim_end_matches([',', ';']);
+    text.parse().or_else(|_| text.replacen(',', ".", 1).parse()).ok()
+}
+
+/// All numbers, voids as NaN.
+fn numbers(body: &[u8], total: usize, nodata: Option<f64>) -> Result<Vec<f32>, Fault> {
+    let pieces = pieces(body);
+    let parsed: Result<Vec<Vec<f32>>, Fault> = pieces.par_iter().map(|p| piece(p, nodata)).collect();
+    let parsed = parsed?;
+    let found: usize = parsed.iter().map(Vec::len).sum();
+    if found != total {
+        return Err(Fault::Damaged(format!("{found} numbers where {total} should be")));
+    }
+    Ok(parsed.concat())
+}
+
+/// The text cut at blanks into pieces of about [`PIECE`] bytes.
+fn pieces(mut body: &[u8]) -> Vec<&[u8]> {
+    let mut pieces = Vec::new();
+    while body.len() > PIECE {
+        let cut = body[PIECE..].iter().position(u8::is_ascii_whitespace).map_or(body.len(), |i| PIECE + i);
+        let (piece, rest) = body.split_at(cut);
+        pieces.push(piece);
+        body = rest;
+    }
+    pieces.push(body);
+    pieces
+}
+
+fn piece(text: &[u8], nodata: Option<f64>) -> Result<Vec<f32>, Fault> {
+    let nodata = nodata.map(|v| v as f32);
+    // Numbers of heights take about five bytes; the vector grows where they take fewer.
+    let mut out = Vec::with_capacity(text.len() / 5 + 1);
+    let mut rest = text.trim_ascii_start();
+    while !rest.is_empty() {
+        let (number, after) = word(rest);
+        let v: f32 =
+            parse(number).ok_or_else(|| Fault::Damaged(format!("{} is no number", brief(number))))?;
+        let void = !v.is_finite() || nodata == Some(v) || v.abs() > 1e30;
+        out.push(if void { f32::NAN } else { v });
+        rest = after.trim_ascii_start();
+    }
+    Ok(out)
+}
+
+/// The text of a grid's first lines.
+pub(super) fn header(size: [usize; 2], placement: &Placement, nodata: Option<f64>) -> String {
+    use std::fmt::Write;
+    let step = |a: &Affine| [libm::hypot(a.col[0], a.col[1]), libm::hypot(a.row[0], a.row[1])];
+    let [dx, dy] = placement.affine.as_ref().map(step).or(placement.cell).unwrap_or([1.0, 1.0]);
+    let [west, south] = placement.affine.map_or([0.0, 0.0], |a| a.at(0.0, (size[1] - 1) as f64));
+    let mut text = format!("ncols {}\nnrows {}\n", size[0], size[1]);
+    // Writing to a string cannot fail.
+    let _ = match placement.anchor {
+        Anchor::Point => write!(text, "xllcenter {west}\nyllcenter {south}\n"),
+        Anchor::Area => write!(text, "xllcorner {}\nyllcorner {}\n", west - dx / 2.0, south - dy / 2.0),
+    };
+    let _ = if dx == dy { writeln!(text, "cellsize {dx}") } else { write!(text, "dx {dx}\ndy {dy}\n") };
+    if let Some(nodata) = nodata {
+        let _ = writeln!(text, "NODATA_value {nodata}");
+    }
+    text
+}
+
+/// Appends a row of numbers, each the shortest that reads back to the bit.
+pub(super) fn append_row(row: &[f32], nodata: f64, out: &mut Vec<u8>) {
+    use std::io::Write;
+    for (i, &v) in row.iter().enumerate() {
+        let blank = if i == 0 { "" } else { " " };
+        // Writing to a vector cannot fail.
+        let _ = if v.is_nan() {
+            write!(out, "{blank}{nodata}")
+        } else if v != 0.0 && !(1e-5..1e15).contains(&v.abs()) {
+            write!(out, "{blank}{v:e}")
+        } else {
+            write!(out, "{blank}{v}")
+        };
+    }
+    out.push(b'\n');
+}

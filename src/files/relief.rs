@@ -1,0 +1,208 @@
+//! A height file as a surface: voids closed, a spline through its samples, a value at any place.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::apart::apart;
+use super::error::ReadError;
+use super::height::{Encoding, Limits, read_height_as};
+use super::place::Placement;
+use super::voids::fill_voids;
+use crate::kit::spline::{Spline, Tap};
+
+/// How near a position must come to a sample to be that sample, in steps.
+const SNAP: f64 = 1e-6;
+
+/// How voids are closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Closing {
+    /// With a membrane from their border inwards; see [`fill_voids`].
+    Smooth,
+    /// With one height, in the numbers of the file.
+    Level(f32),
+}
+
+/// What a surface is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// Name of the file.
+    pub name: &'a str,
+    /// Its content.
+    pub bytes: &'a [u8],
+    /// Content of its sidecar, with its hash.
+    pub sidecar: Option<(&'a [u8], [u8; 32])>,
+    /// How the pixels of a PNG hold heights.
+    pub encoding: Encoding,
+    /// How voids are closed.
+    pub closing: Closing,
+    /// Whether a spline goes through the samples, or planes.
+    pub cubic: bool,
+}
+
+type Key = (Option<[u8; 32]>, Encoding, Option<u32>, bool);
+
+impl Request<'_> {
+    fn key(&self) -> Key {
+        let level = match self.closing {
+            Closing::Smooth => None,
+            Closing::Level(height) => Some(height.to_bits()),
+        };
+        (self.sidecar.map(|s| s.1), self.encoding, level, self.cubic)
+    }
+}
+
+/// The surfaces made of one file: one for each way in which nodes read it.
+#[derive(Debug, Default)]
+pub struct Reliefs(Mutex<Vec<(Key, Arc<Relief>)>>);
+
+impl Reliefs {
+    /// The surface of a request, made once.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or holds nothing but voids.
+    pub fn get(&self, request: &Request<'_>, limits: &Limits) -> Result<Arc<Relief>, ReadError> {
+        let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = request.key();
+        if let Some((_, found)) = made.iter().find(|(k, _)| *k == key) {
+            return Ok(found.clone());
+        }
+        let fresh = Arc::new(apart(|| Relief::new(request, limits))?);
+        made.push((key, fresh.clone()));
+        Ok(fresh)
+    }
+}
+
+/// The heights of a file as a surface.
+#[derive(Debug)]
+pub struct Relief {
+    /// Samples in a row.
+    pub cols: usize,
+    /// Rows.
+    pub rows: usize,
+    /// Where the samples lie.
+    pub placement: Placement,
+    heights: Vec<f32>,
+    /// Which samples were void; empty when none was.
+    voids: Vec<bool>,
+    spline: Option<Spline>,
+}
+
+/// Columns of a window that stands upright on the file, prepared once for all rows.
+#[derive(Debug)]
+pub struct Columns {
+    positions: Vec<f64>,
+    taps: Vec<Tap>,
+    /// Columns that stand on a column of the file, and on which.
+    exact: Vec<(usize, usize)>,
+}
+
+impl Relief {
+    /// Reads a file and prepares its surface.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or holds nothing but voids.
+    pub fn new(request: &Request<'_>, limits: &Limits) -> Result<Self, ReadError> {
+        let Request { name, bytes, sidecar, encoding, closing, cubic } = *request;
+        let file = read_height_as(name, bytes, sidecar.map(|s| s.0), limits, encoding)?;
+        let (cols, rows, mut heights) = (file.cols, file.rows, file.data);
+        let any = heights.iter().any(|v| v.is_nan());
+        let voids = if any { heights.iter().map(|v| v.is_nan()).collect() } else { Vec::new() };
+        match closing {
+            Closing::Level(height) => {
+                heights.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = height);
+            }
+            Closing::Smooth => {
+                let all = || super::Fault::Damaged("nothing but voids".into()).of(name);
+                fill_voids(cols, rows, &mut heights).ok_or_else(all)?;
+            }
+        }
+        let spline = cubic.then(|| Spline::fit(cols, rows, &heights));
+        Ok(Self { cols, rows, placement: file.placement, heights, voids, spline })
+    }
+
+    /// Whether some sample was void.
+    pub fn has_voids(&self) -> bool {
+        !self.voids.is_empty()
+    }
+
+    /// Whether the sample nearest to a position, in steps from the north-west one, was void.
+    pub fn is_void(&self, u: f64, v: f64) -> bool {
+        let near = |p: f64, n: usize| p.round().clamp(0.0, (n - 1) as f64) as usize;
+        self.has_voids()
+            && self.contains(u, v)
+            && self.voids[near(v, self.rows) * self.cols + near(u, self.cols)]
+    }
+
+    /// Whether a position lies between the samples at the border, or on them.
+    pub fn contains(&self, u: f64, v: f64) -> bool {
+        let within = |p: f64, n: usize| (-SNAP..=(n - 1) as f64 + SNAP).contains(&p);
+        within(u, self.cols) && within(v, self.rows)
+    }
+
+    /// The height at a position in steps from the north-west sample; beyond the border its value continues.
+    pub fn height(&self, u: f64, v: f64) -> f32 {
+        let (u, v) = (held(u, self.cols), held(v, self.rows));
+        if let (Some(i), Some(j)) = (whole(u), whole(v)) {
+            return self.heights[j * self.cols + i];
+        }
+        match &self.spline {
+            Some(spline) => spline.value(u, v),
+            None => {
+                let ((j0, j1), t) = ends(v, self.rows);
+                let line = |j: usize| lerp(&self.heights[j * self.cols..][..self.cols], u);
+                line(j0) + (line(j1) - line(j0)) * t
+            }
+        }
+    }
+
+    /// Prepares the columns of a window at positions in steps from the westernmost sample.
+    pub fn columns(&self, positions: impl Iterator<Item = f64>) -> Columns {
+        let positions: Vec<f64> = positions.map(|p| held(p, self.cols)).collect();
+        let exact = positions.iter().enumerate().filter_map(|(k, p)| Some((k, whole(*p)?))).collect();
+        let taps = self.spline.iter().flat_map(|s| s.taps(positions.iter().copied())).collect();
+        Columns { positions, taps, exact }
+    }
+
+    /// The heights of some columns at one position down the rows, as [`height`](Self::height) gives them up to
+    /// rounding.
+    pub fn row(&self, columns: &Columns, v: f64, out: &mut [f32]) {
+        let v = held(v, self.rows);
+        match &self.spline {
+            Some(spline) => spline.row(v, &columns.taps, out),
+            None => {
+                let ((j0, j1), t) = ends(v, self.rows);
+                let [upper, lower] = [j0, j1].map(|j| &self.heights[j * self.cols..][..self.cols]);
+                for (o, u) in out.iter_mut().zip(&columns.positions) {
+                    let (a, b) = (lerp(upper, *u), lerp(lower, *u));
+                    *o = a + (b - a) * t;
+                }
+            }
+        }
+        if let Some(j) = whole(v) {
+            for &(k, i) in &columns.exact {
+                out[k] = self.heights[j * self.cols + i];
+            }
+        }
+    }
+}
+
+/// A position held between the first and the last of `n` samples, and put onto a sample that is all but there.
+fn held(p: f64, n: usize) -> f64 {
+    let p = if p.is_finite() { p.clamp(0.0, (n - 1) as f64) } else { 0.0 };
+    if (p - p.round()).abs() <= SNAP { p.round() } else { p }
+}
+
+/// The sample that a position stands on.
+fn whole(p: f64) -> Option<usize> {
+    (p == p.floor()).then_some(p as usize)
+}
+
+/// The samples around a held position, and the share of the second.
+fn ends(p: f64, n: usize) -> ((usize, usize), f32) {
+    let i = p.floor() as usize;
+    ((i, (i + 1).min(n - 1)), (p - p.floor()) as f32)
+}
+
+fn lerp(line: &[f32], u: f64) -> f32 {
+    let ((i, k), t) = ends(u, line.len());
+    line[i] + (line[k] - line[i]) * t
+}

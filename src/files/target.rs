@@ -1,0 +1,172 @@
+//! The engines that outputs are meant for: what they take, and what a person must type there.
+
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::format::Format;
+use crate::params::did_you_mean;
+
+/// An engine that an output is meant for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// Unreal Engine landscapes: 16-bit PNG or r16, 32768 is height zero.
+    Unreal,
+    /// Unity terrains: RAW16, the southernmost row first.
+    Unity,
+    /// Terrain3D for Godot: OpenEXR in metres.
+    Godot,
+}
+
+/// Vertices along a side of the landscapes that Unreal recommends.
+const UNREAL_SIDES: [usize; 5] = [505, 1009, 2017, 4033, 8129];
+/// Vertices along a side that Unity's terrains take: 2ⁿ + 1.
+const UNITY_SIDES: [usize; 8] = [33, 65, 129, 257, 513, 1025, 2049, 4097];
+/// Integer that Unreal takes for height zero.
+const UNREAL_ZERO: f64 = 32768.0;
+/// Centimetres of a step at a Z scale of 1 in Unreal.
+const UNREAL_STEP: f64 = 1.0 / 128.0;
+
+impl Target {
+    /// Every target.
+    pub const ALL: [Self; 3] = [Self::Unreal, Self::Unity, Self::Godot];
+
+    /// The name in graphs and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unreal => "unreal",
+            Self::Unity => "unity",
+            Self::Godot => "godot",
+        }
+    }
+
+    /// The format it is given where none is asked for.
+    pub fn format(self) -> Format {
+        match self {
+            Self::Unreal => Format::Png16,
+            Self::Unity => Format::R16,
+            Self::Godot => Format::Exr,
+        }
+    }
+
+    /// Whether it wants the southernmost row first.
+    pub fn flip(self) -> bool {
+        self == Self::Unity
+    }
+
+    /// The range for heights from one value to another, where none is asked for and the format needs one.
+    ///
+    /// For Unreal the integer 32768 stands for exactly 0 m, so that nothing has to be moved there; for the others
+    /// the range is what the heights take.
+    pub fn range(self, [lo, hi]: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::Unreal => {
+                let step = (lo.abs() / UNREAL_ZERO).max(hi.abs() / (65535.0 - UNREAL_ZERO)).max(1e-6);
+                [-step * UNREAL_ZERO, step * (65535.0 - UNREAL_ZERO)]
+            }
+            Self::Unity | Self::Godot => [lo, if hi > lo { hi } else { lo + 1.0 }],
+        }
+    }
+
+    /// What a person must type there for a file of a range and a cell.
+    pub(super) fn notes(self, range: Option<[f64; 2]>, cell: f64, [cols, rows]: [usize; 2]) -> Vec<String> {
+        let (east, south) = (cell * (cols - 1) as f64, cell * (rows - 1) as f64);
+        match (self, range) {
+            (Self::Unreal, Some([lo, hi])) => {
+                let step = (hi - lo) / 65535.0;
+                vec![format!(
+                    "Unreal: scale X = Y = {}, Z = {}; location Z = {}",
+                    short(cell * 100.0),
+                    short(step * 100.0 / UNREAL_STEP),
+                    short((lo + step * UNREAL_ZERO) * 100.0)
+                )]
+            }
+            (Self::Unity, Some([lo, hi])) => vec![format!(
+                "Unity: {cols} x {rows}, 16 bit, Windows byte order; terrain size X = {}, Z = {}, Y = {}; position Y = {}",
+                short(east),
+                short(south),
+                short(hi - lo),
+                short(lo)
+            )],
+            (Self::Godot, None) => {
+                vec![format!("Terrain3D: import scale 1, offset 0; vertex spacing {}", short(cell))]
+            }
+            (Self::Godot, Some([lo, hi])) => vec![format!(
+                "Terrain3D: height range {} to {}; vertex spacing {}",
+                short(lo),
+                short(hi),
+                short(cell)
+            )],
+            (Self::Unreal | Self::Unity, None) => Vec::new(),
+        }
+    }
+}
+
+impl FromStr for Target {
+    type Err = String;
+
+    /// # Errors
+    /// A sentence that lists the names, and the nearest.
+    fn from_str(name: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|t| t.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name);
+            format!("must be one of {}, got \"{name}\"{}", names.join(", "), did_you_mean(name, names))
+        })
+    }
+}
+
+/// A number with at most six decimals.
+fn short(v: f64) -> String {
+    let text = format!("{v:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.into() }
+}
+
+/// What an engine will not like about a size, as sentences; none when it takes it as it is.
+pub fn target_warnings(target: Target, cols: usize, rows: usize) -> Vec<String> {
+    let list = |sides: &[usize]| sides.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+    match target {
+        Target::Unreal if [cols, rows].iter().any(|n| !UNREAL_SIDES.contains(n)) => vec![format!(
+            "Unreal will not take {cols} x {rows} samples as they are; it takes sides of {}",
+            list(&UNREAL_SIDES)
+        )],
+        Target::Unity if cols != rows || !UNITY_SIDES.contains(&cols) => vec![format!(
+            "Unity will not take {cols} x {rows} samples as they are; it takes squares with sides of {}",
+            list(&UNITY_SIDES)
+        )],
+        Target::Unreal | Target::Unity | Target::Godot => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unreal_zero_is_zero() {
+        for heights in [[-10.0, 300.0], [-500.0, 20.0], [0.0, 0.0]] {
+            let [lo, hi] = Target::Unreal.range(heights);
+            assert!(lo <= heights[0] && hi >= heights[1]);
+            assert!((lo + (hi - lo) / 65535.0 * 32768.0).abs() < 1e-9);
+        }
+    }
+
+    /// The example of Unreal's landscape guide: a range of 512 m is a Z scale of 100.
+    #[test]
+    fn unreal_scale_is_that_of_its_guide() {
+        let step = 512.0 / 65536.0;
+        let notes = Target::Unreal.notes(Some([-256.0, 256.0 - step]), 1.0, [1009, 1009]);
+        assert_eq!(notes, ["Unreal: scale X = Y = 100, Z = 100; location Z = 0"]);
+    }
+
+    #[test]
+    fn sizes_that_will_not_do_are_named() {
+        assert!(target_warnings(Target::Unreal, 1009, 2017).is_empty());
+        assert!(target_warnings(Target::Unreal, 1025, 1025)[0].contains("1009"));
+        assert!(target_warnings(Target::Unity, 1025, 1025).is_empty());
+        assert!(target_warnings(Target::Unity, 1025, 513)[0].contains("squares"));
+        assert!(target_warnings(Target::Unity, 1009, 1009)[0].contains("1025"));
+        assert!(target_warnings(Target::Godot, 7, 9).is_empty());
+    }
+}

@@ -1,0 +1,384 @@
+//! The program as a user runs it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use orograph::files::{Limits, read_height};
+use serde_json::{Value as Json, json};
+
+fn orograph() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_orograph"));
+    command.stdin(Stdio::null()).env("XDG_CONFIG_HOME", "/nonexistent");
+    command
+}
+
+fn run(args: &[&str]) -> Output {
+    orograph().args(args).output().unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap_or(-1)
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout)
+}
+
+fn text(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
+/// A folder with a graph of hills and two outputs.
+struct Desk {
+    folder: tempfile::TempDir,
+}
+
+impl Desk {
+    fn new(outputs: &Json) -> Self {
+        let desk = Self { folder: tempfile::tempdir().unwrap() };
+        let graph = json!({
+            "orograph": 1,
+            "terrain": { "width": 2048, "depth": 1024, "base": 129, "sea_level": 5 },
+            "expose": { "relief": { "bind": ["hills.amplitude"], "value": 200, "min": 10, "max": 500 } },
+            "nodes": {
+                "hills": { "kind": "fractal_noise", "set": { "seed": 3 } },
+                "soft": { "kind": "blur", "in": { "field": "hills.field" }, "set": { "radius": 60 } },
+                "dem": { "kind": "import_height", "set": { "file": "missing.tif" } },
+            },
+            "outputs": outputs,
+        });
+        std::fs::write(desk.path("a.graph"), graph.to_string()).unwrap();
+        desk
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn build(&self, args: &[&str]) -> Output {
+        let (graph, out) = (text(&self.path("a.graph")), text(&self.path("out")));
+        run(&[&["build", &graph, "-o", &out], args].concat())
+    }
+
+    fn report(&self) -> Json {
+        serde_json::from_slice(&std::fs::read(self.path("out/report.json")).unwrap()).unwrap()
+    }
+}
+
+fn height() -> Json {
+    json!({ "height": { "from": "soft.field", "format": "r32" } })
+}
+
+fn sha256(path: &Path) -> String {
+    use sha2::{Digest, Sha256};
+    Sha256::digest(std::fs::read(path).unwrap()).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+#[test]
+fn a_build_leaves_whole_files_and_a_true_report() {
+    let desk = Desk::new(&json!({
+        "height": { "from": "soft.field", "format": "r32" },
+        "picture": { "from": "hills.field", "format": "png16" },
+    }));
+    let built = desk.build(&["--set", "relief=300"]);
+    assert_eq!(code(&built), 0, "{}", said(&built));
+    let report = desk.report();
+    assert_eq!(report["status"], "done");
+    assert_eq!(report["variables"]["relief"], "300");
+    let outputs = report["outputs"].as_array().unwrap();
+    assert_eq!(outputs.len(), 2);
+    for o in outputs {
+        let path = desk.path("out").join(o["path"].as_str().unwrap());
+        assert_eq!(o["sha256"], sha256(&path));
+        assert_eq!((o["cols"].as_u64(), o["rows"].as_u64()), (Some(129), Some(65)));
+    }
+    let nodes: Vec<_> =
+        report["nodes"].as_array().unwrap().iter().map(|n| n["node"].as_str().unwrap()).collect();
+    assert!(nodes.contains(&"hills") && nodes.contains(&"soft") && !nodes.contains(&"dem"), "{nodes:?}");
+    // The same again: the same bits, and no complaint about files that a build wrote.
+    let before = report["outputs"][0]["sha256"].clone();
+    assert_eq!(code(&desk.build(&["--set", "relief=300", "--threads", "1"])), 0);
+    assert_eq!(desk.report()["outputs"][0]["sha256"], before);
+}
+
+#[test]
+fn files_of_others_and_inputs_are_not_overwritten() {
+    let desk = Desk::new(&height());
+    std::fs::create_dir_all(desk.path("out")).unwrap();
+    std::fs::write(desk.path("out/height.r32"), "mine").unwrap();
+    let refused = desk.build(&[]);
+    assert_eq!(code(&refused), 2);
+    assert!(said(&refused).contains("--overwrite"), "{}", said(&refused));
+    assert_eq!(std::fs::read(desk.path("out/height.r32")).unwrap(), b"mine");
+    assert_eq!(code(&desk.build(&["--overwrite"])), 0);
+    // An output that would land on an input.
+    let height = desk.path("out/height.r32");
+    let graph = json!({
+        "orograph": 1,
+        "nodes": { "dem": { "kind": "import_height", "set": { "file": "height.r32" } } },
+        "outputs": { "height": { "from": "dem.height", "format": "r32" } },
+    });
+    std::fs::write(desk.path("out/b.graph"), graph.to_string()).unwrap();
+    let before = sha256(&height);
+    let out = text(&desk.path("out"));
+    let refused = run(&["build", &text(&desk.path("out/b.graph")), "-o", &out, "--overwrite"]);
+    assert_eq!(code(&refused), 2, "{}", said(&refused));
+    assert!(said(&refused).contains("never overwritten"), "{}", said(&refused));
+    assert_eq!(sha256(&height), before);
+}
+
+#[test]
+fn exit_codes_tell_what_went_wrong() {
+    let desk = Desk::new(&height());
+    let graph = text(&desk.path("a.graph"));
+    let out = text(&desk.path("out"));
+    let expect = |args: &[&str], exit: i32, words: &str| {
+        let ended = run(args);
+        assert_eq!(code(&ended), exit, "{args:?}: {}", said(&ended));
+        assert!(said(&ended).contains(words), "{args:?}: {}", said(&ended));
+    };
+    expect(&["build", "nowhere.graph", "-o", &out], 4, "nowhere.graph");
+    expect(&["build", &graph], 2, "--out");
+    expect(&["build", &graph, "-o", &out, "--set", "relife=3"], 2, "did you mean `relief`");
+    expect(&["build", &graph, "-o", &out, "--set", "relief=9999"], 2, "500");
+    expect(&["build", &graph, "-o", &out, "--set", "hills.amplitude=9"], 2, "relief");
+    expect(&["build", &graph, "-o", &out, "--set", "hills.octaves=1e9"], 2, "16");
+    expect(&["build", &graph, "-o", &out, "--base", "1000000"], 2, "base");
+    expect(&["build", &graph, "-o", &out, "--output", "hight"], 2, "did you mean `height`");
+    expect(&["build", &graph, "-o", &out, "--size", "130"], 2, "129");
+    expect(&["build", &graph, "-o", &out, "--tiles", "3x1"], 2, "cannot be cut");
+    expect(&["build", &graph, "-o", &out, "--region", "5,5,1,1"], 2, "--region");
+    expect(&["build", &graph, "-o", &out, "--size", "16385", "--memory", "100M"], 5, "--tile-size");
+    expect(&["build", &graph, "-o", &out, "--size", "16385", "--time", "0.001"], 5, "--time");
+    expect(&["build", &graph, "-o", &out, "--backend", "gpu"], 6, "GPU");
+    expect(&["nodes", "blurr"], 2, "did you mean `blur`");
+    std::fs::write(desk.path("bad.graph"), "{\"orograph\": 1, ").unwrap();
+    expect(&["check", &text(&desk.path("bad.graph"))], 3, "cut off");
+    expect(&["check", &graph], 0, "0 errors");
+    assert!(!desk.path("out/report.json").exists(), "nothing was built");
+}
+
+#[test]
+fn outputs_that_fail_are_listed_and_the_others_are_made() {
+    let desk = Desk::new(&json!({
+        "height": { "from": "soft.field", "format": "r32" },
+        "file": { "from": "dem.height", "format": "r32" },
+        "lost": { "from": "nobody.field" },
+    }));
+    let built = desk.build(&[]);
+    assert_eq!(code(&built), 3, "{}", said(&built));
+    let report = desk.report();
+    assert_eq!(report["status"], "failed");
+    assert_eq!(report["outputs"].as_array().unwrap().len(), 1);
+    let failures = report["failures"].to_string();
+    assert!(failures.contains("missing.tif") && failures.contains("nobody"), "{failures}");
+    assert!(desk.path("out/height.r32").exists());
+    assert_eq!(code(&desk.build(&["--output", "file"])), 4);
+}
+
+#[test]
+fn hostile_graphs_are_refused_before_harm() {
+    let desk = Desk::new(&height());
+    let expect = |graph: Json, words: &str| {
+        std::fs::write(desk.path("x.graph"), graph.to_string()).unwrap();
+        let ended = run(&["build", &text(&desk.path("x.graph")), "-o", &text(&desk.path("x"))]);
+        assert!(matches!(code(&ended), 3 | 4), "{graph}: {} {}", code(&ended), said(&ended));
+        assert!(said(&ended).contains(words), "{graph}: {}", said(&ended));
+    };
+    for file in ["../../../../../../etc/passwd", "/etc/passwd", "CON", "/dev/zero"] {
+        let node = json!({ "kind": "import_height", "set": { "file": file } });
+        expect(
+            json!({ "orograph": 1, "nodes": { "n": node }, "outputs": { "o": { "from": "n.height" } } }),
+            "node `n`",
+        );
+    }
+    for name in ["../x", "con", "A", "a/b", ""] {
+        let outputs: Json = [(name.to_owned(), json!({ "from": "n.field" }))].into_iter().collect();
+        let nodes = json!({ "n": { "kind": "constant" } });
+        expect(json!({ "orograph": 1, "nodes": nodes, "outputs": outputs }), "output");
+    }
+    let noise = json!({ "kind": "fractal_noise", "set": { "octaves": 1e9 } });
+    expect(
+        json!({ "orograph": 1, "nodes": { "n": noise }, "outputs": { "o": { "from": "n.field" } } }),
+        "octaves",
+    );
+    let mut claim = b"ncols 1000000\nnrows 1000000\nxllcorner 0\nyllcorner 0\ncellsize 1\n".to_vec();
+    claim.extend(b"1 2 3\n");
+    std::fs::write(desk.path("huge.asc"), claim).unwrap();
+    let node = json!({ "kind": "import_height", "set": { "file": "huge.asc" } });
+    expect(
+        json!({ "orograph": 1, "nodes": { "n": node }, "outputs": { "o": { "from": "n.height" } } }),
+        "huge.asc",
+    );
+    let left: Vec<_> =
+        std::fs::read_dir(desk.folder.path()).unwrap().flatten().map(|e| e.file_name()).collect();
+    assert!(left.iter().all(|n| ["a.graph", "x.graph", "x", "huge.asc"].iter().any(|k| n == k)), "{left:?}");
+}
+
+fn samples(path: &Path) -> Vec<f32> {
+    let bytes = std::fs::read(path).unwrap();
+    bytes.chunks(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
+}
+
+#[test]
+fn tiles_and_regions_on_disk_are_cut_from_the_whole() {
+    let desk = Desk::new(&height());
+    assert_eq!(code(&desk.build(&["--size", "257"])), 0);
+    let whole = samples(&desk.path("out/height.r32"));
+    assert_eq!(whole.len(), 257 * 129);
+    assert_eq!(code(&desk.build(&["--size", "257", "--tile-size", "65"])), 0);
+    for (i, j) in [(0, 0), (3, 1), (2, 0)] {
+        let tile = samples(&desk.path(&format!("out/height_x{i}_y{j}.r32")));
+        for r in 0..65 {
+            let start = (j * 64 + r) * 257 + i * 64;
+            assert_eq!(tile[r * 65..][..65], whole[start..start + 65], "tile {i},{j} row {r}");
+        }
+    }
+    assert_eq!(code(&desk.build(&["--size", "257", "--region", "512,256,1024,512"])), 0);
+    let region = samples(&desk.path("out/height.r32"));
+    assert_eq!(region.len(), 65 * 33);
+    assert_eq!(region[..65], whole[32 * 257 + 64..][..65]);
+}
+
+#[test]
+fn a_killed_build_leaves_whole_files_and_no_lying_report() {
+    let outputs = json!({
+        "height": { "from": "soft.field", "format": "exr" },
+        "picture": { "from": "hills.field", "format": "png16", "range": [-900, 900] },
+        "plain": { "from": "hills.field", "format": "tiff" },
+    });
+    let mut cut_short = 0;
+    for i in 0..24u64 {
+        let desk = Desk::new(&outputs);
+        assert_eq!(code(&desk.build(&["--size", "33"])), 0, "an old report stands there");
+        let (graph, out) = (text(&desk.path("a.graph")), text(&desk.path("out")));
+        let mut child = orograph()
+            .args(["build", &graph, "-o", &out, "--size", "513"])
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(i * 23));
+        // SIGKILL: no handler runs.
+        let _ = child.kill();
+        let ended = child.wait().unwrap();
+        cut_short += usize::from(!ended.success());
+        for entry in std::fs::read_dir(desk.path("out")).unwrap().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let path = entry.path();
+            let bytes = std::fs::read(&path).unwrap();
+            if ["exr", "png", "tif"].iter().any(|e| name.ends_with(e)) && !name.starts_with('.') {
+                read_height(&name, &bytes, None, &Limits::default()).unwrap_or_else(|e| panic!("{e}"));
+            }
+            if name == "report.json" {
+                let report: Json = serde_json::from_slice(&bytes).unwrap();
+                for o in report["outputs"].as_array().unwrap() {
+                    let file = desk.path("out").join(o["path"].as_str().unwrap());
+                    assert_eq!(o["sha256"], sha256(&file), "the report speaks of another file");
+                }
+            }
+        }
+        assert_eq!(code(&desk.build(&["--size", "65"])), 0, "the next build is not in the way of the last");
+    }
+    assert!(cut_short >= 5, "only {cut_short} builds were cut short");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_build_ends_with_130_and_no_report() {
+    let desk = Desk::new(&height());
+    let (graph, out) = (text(&desk.path("a.graph")), text(&desk.path("out")));
+    let child = orograph()
+        .args(["build", &graph, "-o", &out, "--size", "8193", "--set", "soft.radius=3000"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(700));
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(code(&ended), 130, "{}", said(&ended));
+    assert!(!desk.path("out/report.json").exists() && !desk.path("out/height.r32").exists());
+}
+
+#[test]
+fn the_process_stays_within_its_budget_of_memory() {
+    let desk = Desk::new(&json!({
+        "height": { "from": "soft.field", "format": "exr" },
+        "picture": { "from": "hills.field", "format": "png16", "range": [-900, 900] },
+    }));
+    for (size, budget) in [("1025", 160u64), ("2049", 256)] {
+        let built = desk.build(&["--size", size, "--memory", &format!("{budget}M")]);
+        assert_eq!(code(&built), 0, "{}", said(&built));
+        let report = desk.report();
+        let Some(peak) = report["process_peak_bytes"].as_u64() else {
+            eprintln!("SKIPPED: this system does not tell the peak of memory");
+            return;
+        };
+        println!("{size}: {peak} of {budget} MiB, planned {}", report["planned_bytes"]);
+        assert!(peak <= budget << 20, "{size}: {peak} bytes of {budget} MiB");
+    }
+}
+
+#[test]
+fn a_cache_folder_serves_the_next_process() {
+    let desk = Desk::new(&height());
+    let cache = text(&desk.path("cache"));
+    assert_eq!(code(&desk.build(&["--cache", &cache])), 0);
+    let cold = desk.report()["outputs"][0]["sha256"].clone();
+    assert_eq!(code(&desk.build(&["--cache", &cache])), 0);
+    let report = desk.report();
+    assert_eq!(report["outputs"][0]["sha256"], cold);
+    let runs: u64 = report["nodes"].as_array().unwrap().iter().map(|n| n["runs"].as_u64().unwrap()).sum();
+    assert_eq!(runs, 0, "{}", report["nodes"]);
+}
+
+#[test]
+fn the_other_commands_answer() {
+    let desk = Desk::new(&height());
+    let graph = text(&desk.path("a.graph"));
+    let plan = run(&["plan", &graph, "--output", "height", "--json"]);
+    let plan: Json = serde_json::from_slice(&plan.stdout).unwrap();
+    assert_eq!(plan["tasks"].as_array().unwrap().len(), 2);
+    assert!(plan["peak_bytes"].as_u64().unwrap() > 60_000);
+    let info = run(&["info", &graph, "--json"]);
+    let info: Json = serde_json::from_slice(&info.stdout).unwrap();
+    assert_eq!(info["exposed"][0]["name"], "relief");
+    assert!(said(&run(&["nodes"])).contains("fractal_noise"));
+    assert!(said(&run(&["nodes", "blur"])).contains("## Parameters"));
+    assert!(serde_json::from_slice::<Json>(&run(&["schema"]).stdout).is_ok());
+    assert!(said(&run(&["completions", "bash"])).contains("_orograph"));
+    assert_eq!(code(&run(&["fmt", "--check", &graph])), 1);
+    assert_eq!(code(&run(&["fmt", &graph])), 0);
+    assert_eq!(code(&run(&["fmt", "--check", &graph])), 0);
+    assert_eq!(code(&run(&["check", &graph, "--json"])), 0);
+    let picture = text(&desk.path("a.png"));
+    for view in ["map", "perspective"] {
+        let drawn =
+            run(&["render", &graph, "-o", &picture, "--size", "65", "--width", "160", "--view", view]);
+        assert_eq!(code(&drawn), 0, "{}", said(&drawn));
+        let png = std::fs::read(desk.path("a.png")).unwrap();
+        assert_eq!(&png[1..4], b"PNG");
+    }
+}
+
+#[test]
+fn convert_keeps_every_sample() {
+    let desk = Desk::new(&json!({ "height": { "from": "soft.field", "format": "tiff" } }));
+    assert_eq!(code(&desk.build(&[])), 0);
+    let tif = text(&desk.path("out/height.tif"));
+    let read =
+        |name: &str| read_height(name, &std::fs::read(name).unwrap(), None, &Limits::default()).unwrap();
+    let first = read(&tif);
+    let mut from = tif.clone();
+    for to in ["b.exr", "c.asc", "d.tif"] {
+        let to = text(&desk.path(to));
+        let done = run(&["convert", &from, &to]);
+        assert_eq!(code(&done), 0, "{}", said(&done));
+        from = to;
+    }
+    assert_eq!(read(&from).data, first.data);
+    let again = run(&["convert", &tif, &from]);
+    assert_eq!(code(&again), 2, "{}", said(&again));
+    assert_eq!(code(&run(&["convert", &tif, &tif, "--overwrite"])), 2);
+}
