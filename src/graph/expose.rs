@@ -19,6 +19,15 @@ pub(super) struct Bound {
     pub(super) param: Param,
 }
 
+/// What a null stands for where an exposed parameter gets a value.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Null {
+    /// The value that the first bind has.
+    IsTaken,
+    /// Itself.
+    IsMeant,
+}
+
 /// Which exposed parameter a bound path, or a part of one, belongs to: the first that the file names.
 #[derive(Default)]
 pub(super) struct Owners {
@@ -115,7 +124,7 @@ impl Graph {
         if self.exposed.len() >= MAX_NAMED {
             return bad(format!("would be one more than the limit of {MAX_NAMED}"));
         }
-        self.put_exposed(self.exposed.len(), name, exposed)
+        self.put_exposed(self.exposed.len(), name, exposed, Null::IsTaken)
     }
 
     /// Changes an exposed parameter: what it binds, its limits, its texts.
@@ -124,7 +133,7 @@ impl Graph {
     /// When there is none of the name, and those of [`expose`](Self::expose).
     pub fn change_exposed(&mut self, name: &str, exposed: Exposed) -> Result<(), Problem> {
         let i = self.exposed_index(name).ok_or_else(|| self.not_exposed(name))?;
-        self.put_exposed(i, name, exposed)
+        self.put_exposed(i, name, exposed, Null::IsTaken)
     }
 
     /// Takes a name away; the parameters keep their values.
@@ -149,7 +158,8 @@ impl Graph {
         if json::same(&exposed.value, &value) {
             return Ok(());
         }
-        self.put_exposed(i, name, Exposed { value, ..exposed.clone() })
+        let exposed = Exposed { value, ..exposed.clone() };
+        self.put_exposed(i, name, exposed, Null::IsMeant)
     }
 
     /// What an exposed parameter is to the outside: type and unit of what it binds, its own range, its value as the
@@ -164,19 +174,23 @@ impl Graph {
         Ok(Param { default: exposed.value.clone(), ..bound.param })
     }
 
-    fn put_exposed(&mut self, i: usize, name: &str, mut exposed: Exposed) -> Result<(), Problem> {
+    fn put_exposed(&mut self, i: usize, name: &str, mut exposed: Exposed, null: Null) -> Result<(), Problem> {
         Exposed::forget_known(&mut exposed.extra);
         let mut owners = self.owners();
         // Its own old binds do not stand in its way, and those of later ones do.
         owners.whole.retain(|_, owner| *owner != i);
         owners.part.retain(|_, owner| *owner != i);
         let bound = self.bound(usize::MAX, name, &exposed, &owners, &Hints::new()).map_err(first)?;
-        if exposed.value.is_null() {
+        if exposed.value.is_null() && null == Null::IsTaken {
             exposed.value = bound.param.default.clone();
         }
         json::tidy(&mut exposed.value);
         let fits = bound.param.shape.check(&exposed.value);
         fits.map_err(|message| Problem::error(Place::Exposed(name.to_owned()), message))?;
+        if exposed.value.is_null() {
+            // The file does not write it: it is what the binds have.
+            bound.binds.iter().for_each(|bind| self.put_at(bind, Json::Null));
+        }
         match self.exposed.get_mut(i) {
             Some(slot) if slot.1 == exposed => return Ok(()),
             Some(slot) => slot.1 = exposed,

@@ -171,16 +171,16 @@ impl Graph {
             output.extra = written;
             self.outputs.push((name, output));
         }
-        let mut without_value = Vec::new();
+        let mut says_null = Vec::new();
         for (name, mut written) in exposed {
-            without_value.push(!written.contains_key("value"));
+            says_null.push(written.contains_key("value"));
             let mut exposed = Exposed::take(&mut written);
             exposed.extra = written;
             self.exposed.push((name, exposed));
         }
         self.migrate_kinds();
         self.link();
-        self.apply_exposed(&without_value);
+        self.apply_exposed(&says_null);
         self.look_at_settings();
         Ok(())
     }
@@ -293,14 +293,17 @@ impl Graph {
         }
     }
 
-    /// Writes the exposed values into what they bind, and takes those that the file leaves out from there.
-    pub(super) fn apply_exposed(&mut self, without_value: &[bool]) {
+    /// Writes the exposed values into what they bind. A null is taken from there instead, but for those of which the
+    /// file says that it is meant.
+    pub(super) fn apply_exposed(&mut self, says_null: &[bool]) {
         let hints = Hints::none();
         let owners = self.owners();
         for i in 0..self.exposed.len() {
             let (name, exposed) = &self.exposed[i];
             let Ok(bound) = self.bound(i, name, exposed, &owners, &hints) else { continue };
-            if without_value.get(i) == Some(&true) {
+            let says_null =
+                || says_null.get(i) == Some(&true) && bound.param.shape.check(&Json::Null).is_ok();
+            if exposed.value.is_null() && !says_null() {
                 self.exposed[i].1.value = bound.param.default.clone();
             }
             let (name, value) = (self.exposed[i].0.clone(), self.exposed[i].1.value.clone());

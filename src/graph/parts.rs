@@ -160,6 +160,7 @@ pub const TARGETS: [&str; 3] = ["unreal", "unity", "godot"];
 pub struct Output {
     /// The output of a node, as `node.port`.
     #[schemars(length(max = 512))]
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub from: String,
     /// File format; by default one that suits the values: `exr` for heights and fields, `png16` for masks, `png8` for colours.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -191,8 +192,11 @@ pub struct Output {
 pub struct Exposed {
     /// What it sets: `node.parameter` or `terrain.setting`; deeper paths lead into modes, as `node.mode.turned.angle`.
     #[schemars(length(min = 1, max = 1000))]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bind: Vec<String>,
-    /// The value; it takes the place of what the nodes themselves say.
+    /// The value; it takes the place of what the nodes themselves say. Null is not written: what is left out is
+    /// taken from the first bind, which then has it.
+    #[serde(skip_serializing_if = "Json::is_null")]
     pub value: Json,
     /// Lowest value, where it is higher than what the parameters allow.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -274,4 +274,30 @@ fn an_exposed_null_is_a_value() {
         r#"{"orograph": 1, "expose": {"s": {"bind": ["a.scale"]}}, "nodes": {"a": {"kind": "hills", "set": {"scale": 5}}}}"#,
     );
     assert_eq!(graph.exposed().next().unwrap().1.value, json!(5));
+    let mut graph = graph;
+    graph.assign("s", "null").unwrap();
+    assert_eq!(graph.node(id(&graph, "a")).set["scale"], json!(null));
+    graph.assign("s", "7").unwrap();
+    assert_eq!(graph.node(id(&graph, "a")).set["scale"], json!(7));
+    graph.assign("s", "null").unwrap();
+    assert_eq!(
+        load(&canonical(&graph)).node(id(&graph, "a")).parse().map(|n| n.canonical()),
+        graph.node(id(&graph, "a")).parse().map(|n| n.canonical())
+    );
+    assert_eq!(canonical(&load(&canonical(&graph))), canonical(&graph));
+}
+
+/// Found by fuzzing: an exposed parameter that an edit mends took its value over only when it was read again.
+#[test]
+fn an_edit_that_mends_an_exposed_parameter_gives_it_its_value() {
+    for value in ["", r#", "value": null"#] {
+        let mut graph = load(&format!(
+            r#"{{"orograph": 1, "expose": {{"e": {{"bind": ["a.octaves", "b.octaves"]{value}}}, "s": {{"bind": ["a.scale", "b.scale"]{value}}}}},
+            "nodes": {{"a": {{"kind": "unknown"}}, "b": {{"kind": "hills", "set": {{"octaves": 3, "scale": 9}}}}}}}}"#
+        ));
+        graph.remove(id(&graph, "a")).unwrap();
+        let values: Vec<_> = graph.exposed().map(|(_, e)| e.value.clone()).collect();
+        assert_eq!(values, [json!(3), json!(9)]);
+        assert_eq!(canonical(&load(&canonical(&graph))), canonical(&graph));
+    }
 }

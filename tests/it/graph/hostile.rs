@@ -391,3 +391,26 @@ fn an_output_with_a_fault_has_no_source() {
         "{told}"
     );
 }
+
+/// Found by fuzzing: what the file leaves out was written as empty, and then had another fault.
+#[test]
+fn what_is_left_out_stays_left_out() {
+    let graph = load(
+        r#"{"orograph": 1, "nodes": {"a": {"kind": "hills"}}, "expose": {"none": {"about": "x"}, "far": {"bind": ["b.octaves"]}, "null": {"bind": ["a.scale"], "value": null}},
+        "outputs": {"o": {"clip": true}}}"#,
+    );
+    let text = canonical(&graph);
+    assert!(
+        text.contains(r#""none": { "about": "x" },"#)
+            && text.contains(r#""far": { "bind": ["b.octaves"] },"#),
+        "{text}"
+    );
+    assert!(text.contains(r#""o": { "clip": true }"#), "{text}");
+    let again = load(&text);
+    assert_eq!(told(&again), told(&graph));
+    assert_eq!(again.canonical(), graph.canonical());
+    assert_eq!(
+        again.node(id(&again, "a")).parse().map(|n| n.canonical()),
+        graph.node(id(&graph, "a")).parse().map(|n| n.canonical())
+    );
+}
