@@ -201,7 +201,8 @@ impl Shape {
             Self::List { item, min, max } => {
                 let Some(items) = value.as_array() else { return bad("a list".into()) };
                 if items.len() < *min || items.len() > *max {
-                    return Err(format!("must have from {min} to {max} items, got {}", items.len()));
+                    let want = if min == max { min.to_string() } else { format!("from {min} to {max}") };
+                    return Err(format!("must have {want} items, got {}", items.len()));
                 }
                 let numbered = items.iter().enumerate();
                 numbered.into_iter().try_for_each(|(i, v)| item.check(v).map_err(|e| format!("item {i} {e}")))
@@ -291,6 +292,10 @@ pub fn check_all(params: &[Param], set: &Map<String, Json>) -> Result<()> {
 
 /// "; did you mean `x`?" for the nearest of some names, or nothing when none is near.
 pub fn did_you_mean<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    // The distance takes time quadratic in the length; nobody mistypes a name this long.
+    if name.len() > 256 {
+        return String::new();
+    }
     let near = |a: &str| strsim::damerau_levenshtein(&a.to_lowercase(), &name.to_lowercase());
     let best = names.into_iter().map(|n| (near(n), n)).min();
     match best {

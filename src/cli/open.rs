@@ -24,7 +24,7 @@ pub(super) struct Opened {
 pub(super) fn load(path: &Path, registry: &Registry) -> Result<Graph, Stop> {
     Graph::open(path, registry).map_err(|e| {
         let exit = if matches!(e, LoadError::Read(_)) { Exit::Input } else { Exit::Graph };
-        Stop::new(exit, e)
+        Stop::new(exit, format!("{e}: {}", path.display()))
     })
 }
 
