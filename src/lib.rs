@@ -5,7 +5,7 @@
 //! plan and runs it; each node is a struct of the [`nodes`] registry that gives fields on a grid. The [`cli`] writes
 //! them with [`files`] or draws them with [`render`].
 //!
-//! # Values: [`value`], [`ports`], [`units`], [`params`]
+//! # Values: [`value`], [`mod@ports`], [`units`], [`params`]
 //! A [`value::Grid`] is a window of a lattice, and a sample's place comes from its index in the whole lattice: so
 //! coincident points of two sizes are one place, to the bit. Fields, vectors and colours are rasters on a grid,
 //! cheap to clone. Parameters are structs of unit types; their JSON schema is the only metadata. *Caching:* values

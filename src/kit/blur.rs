@@ -1,6 +1,6 @@
 //! Gaussian smoothing whose result does not depend on the window it is computed on.
 //!
-//! Up to [`DIRECT`] cells the Gaussian is summed tap by tap, columns first, then rows. A wider one is taken on a
+//! Up to `DIRECT` cells the Gaussian is summed tap by tap, columns first, then rows. A wider one is taken on a
 //! coarser lattice \[burt1983\]: the field is halved `L` times by the binomial filter 1 4 6 4 1, smoothed there, and
 //! doubled `L` times by the cubic B-spline subdivision 1 4 6 4 1. The points of level `k` are those whose lattice
 //! index is a multiple of 2ᵏ, so a tile and the whole use the same points and give the same bits.
