@@ -319,6 +319,17 @@ pub trait Node:
         Vec::new()
     }
 
+    /// Bytes that the decoded content of the files takes while it is read and after, for the budget of memory.
+    fn decoded_bytes(&self, files: &[Arc<SourceFile>]) -> u64 {
+        let _ = files;
+        0
+    }
+
+    /// Width in metres of the narrowest feature that a global kind makes; below two base cells it is lost.
+    fn narrowest(&self) -> Option<f64> {
+        None
+    }
+
     /// How to compute the statistic of the whole that the node needs, if it needs one with these parameters.
     fn summary(&self) -> Option<Summarize<Self>> {
         None
@@ -348,6 +359,10 @@ pub trait AnyNode: Debug + Send + Sync {
     fn check(&self) -> Result<()>;
     /// See [`Node::files`].
     fn files(&self) -> Vec<FileRequest>;
+    /// See [`Node::decoded_bytes`].
+    fn decoded_bytes(&self, files: &[Arc<SourceFile>]) -> u64;
+    /// See [`Node::narrowest`].
+    fn narrowest(&self) -> Option<f64>;
     /// Whether the node needs a summary.
     fn needs_summary(&self) -> bool;
     /// Computes the summary from inputs on the base grid.
@@ -382,6 +397,12 @@ impl<N: Node> AnyNode for N {
     }
     fn files(&self) -> Vec<FileRequest> {
         Node::files(self)
+    }
+    fn decoded_bytes(&self, files: &[Arc<SourceFile>]) -> u64 {
+        Node::decoded_bytes(self, files)
+    }
+    fn narrowest(&self) -> Option<f64> {
+        Node::narrowest(self)
     }
     fn needs_summary(&self) -> bool {
         self.summary().is_some()

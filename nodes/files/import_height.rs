@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::files::{Affine, Closing, Encoding, Limits, Relief, Reliefs, Request, Units, sidecar_name};
+use crate::files::{
+    Affine, Closing, Encoding, Limits, Relief, Reliefs, Request, Units, claimed_size, sidecar_name,
+};
+use crate::node::SourceFile;
 use crate::prelude::*;
 
 /// Reads heights from a file and places them on the terrain.
@@ -155,6 +158,15 @@ impl Node for ImportHeight {
             FileRequest { name: self.file.0.clone(), optional: false },
             FileRequest { name: sidecar, optional: true },
         ]
+    }
+
+    fn decoded_bytes(&self, files: &[Arc<SourceFile>]) -> u64 {
+        let [file, rest @ ..] = files else { return 0 };
+        let sidecar = rest.first().map(|f| &f.bytes[..]);
+        // A file that cannot be read takes nothing: the run says what is wrong with it.
+        let claimed = claimed_size(&file.name, &file.bytes, sidecar, &Limits::default());
+        let [cols, rows] = claimed.unwrap_or_default();
+        Relief::bytes(cols, rows, self.interpolation == Interpolation::Cubic)
     }
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {

@@ -10,7 +10,7 @@ use super::exit::{Exit, Stop};
 use super::folder::Folder;
 use super::job::{Job, Tile, jobs};
 use super::open::{self, Opened};
-use super::plan::chosen;
+use super::plan::{chosen, warnings};
 use super::progress::{Mode, Progress};
 use super::report::Report;
 use super::tiles::{TileArgs, tiles};
@@ -93,6 +93,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let report_path = args.report.clone().unwrap_or_else(|| args.out.join("report.json"));
     let head = head(&graph, args, &whole, variables);
     let mut report = Report::start(&report_path, head)?;
+    problems.iter().for_each(|p| report.warning(p.to_string()));
     let mut options = args.engine.options();
     let largest = tiles.iter().map(|t| t.grid.len() as u64).max().unwrap_or(0);
     options.memory = options.memory.saturating_sub(PROGRAM_BYTES + WRITER_BYTES * largest);
@@ -170,6 +171,14 @@ impl Build<'_> {
         let files: Vec<String> =
             jobs.iter().flat_map(|j| tiles.iter().flat_map(|t| j.files(t, self.many))).collect();
         folder.claim(&files)?;
+        if let Some(tile) = tiles.first() {
+            let (names, wants): (Vec<String>, Vec<Want>) =
+                jobs.iter().map(|j| (j.name.clone(), j.want(tile.grid))).unzip();
+            for warning in warnings(&self.engine.plan(self.graph, &wants), &names, &self.whole) {
+                self.progress.say(&format!("warning: {warning}"));
+                report.warning(warning);
+            }
+        }
         for tile in tiles {
             if jobs.is_empty() {
                 break;
@@ -184,7 +193,8 @@ impl Build<'_> {
                     Err(failure) => Err(Stop::new(Exit::of(failure), failure)),
                 };
                 match written {
-                    Ok(entry) => {
+                    Ok(mut entry) => {
+                        entry.json["effective_cell"] = json!(evaluation.effective_cells[i]);
                         entry
                             .notes
                             .iter()
@@ -236,7 +246,7 @@ impl Build<'_> {
         let base = self.graph.terrain().base_grid();
         self.progress.label("range");
         for job in jobs.iter_mut().filter(|j| ranged.contains(&j.name)) {
-            let wants = [Want { node: job.source.node, port: job.source.port, grid: base }];
+            let wants = [job.want(base)];
             let evaluation = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
             report.tasks(&evaluation.tasks, evaluation.peak_bytes, evaluation.planned_bytes);
             match &evaluation.values[0] {
@@ -261,8 +271,7 @@ impl Build<'_> {
     }
 
     fn values(&self, jobs: &[Job], grid: &Grid, report: &mut Report) -> Result<Evaluation, EngineError> {
-        let want = |job: &Job| Want { node: job.source.node, port: job.source.port, grid: *grid };
-        let wants: Vec<_> = jobs.iter().map(want).collect();
+        let wants: Vec<_> = jobs.iter().map(|j| j.want(*grid)).collect();
         let evaluation = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
         report.tasks(&evaluation.tasks, evaluation.peak_bytes, evaluation.planned_bytes);
         Ok(evaluation)

@@ -7,6 +7,7 @@ use serde_json::{Value as Json, json};
 use sha2::{Digest, Sha256};
 
 use super::exit::{Exit, Stop};
+use crate::engine::Want;
 use crate::files::{Format, Target, WriteJob, encode, sidecar_name, write_atomic};
 use crate::graph::{Graph, Output, Problem, Source};
 use crate::value::{Grid, Quantity, Terrain, Value};
@@ -48,8 +49,8 @@ pub(super) fn jobs(
             Ok(source) => jobs.push(Job {
                 name: name.to_owned(),
                 source,
-                target: output.target.as_deref().and_then(|t| t.parse().ok()),
-                format: format.or_else(|| output.format?.name().parse().ok()),
+                target: output.target,
+                format: format.or(output.format),
                 range: output.range,
                 output: output.clone(),
                 quantity: Quantity::Number,
@@ -61,6 +62,11 @@ pub(super) fn jobs(
 }
 
 impl Job {
+    /// What it asks of the engine on a grid.
+    pub(super) fn want(&self, grid: Grid) -> Want {
+        Want { node: self.source.node, port: self.source.port, grid }
+    }
+
     /// Chooses the format by what the output is, where nothing else chose it.
     pub(super) fn settle(&mut self, value: &Value) {
         self.quantity = value.quantity();

@@ -77,7 +77,13 @@ pub(super) fn warnings(plan: &Plan, names: &[String], window: &Grid) -> Vec<Stri
             )
         })
     };
-    names.iter().enumerate().filter_map(coarser).collect()
+    let narrow = plan.too_narrow().into_iter().map(|(node, width)| {
+        let cell = 2.0 * plan.base_cell();
+        format!(
+            "node `{node}` makes features of {width:.4} m; two base cells are {cell:.4} m: --base sharpens it"
+        )
+    });
+    names.iter().enumerate().filter_map(coarser).chain(narrow).collect()
 }
 
 fn table(plan: &Plan, names: &[String], window: &Grid) -> String {

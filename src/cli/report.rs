@@ -15,6 +15,7 @@ pub(super) struct Report {
     head: Map<String, Json>,
     outputs: Vec<Json>,
     failures: Vec<Json>,
+    warnings: Vec<String>,
     nodes: BTreeMap<(String, &'static str), NodeTotal>,
     peak_bytes: u64,
     planned_bytes: u64,
@@ -49,6 +50,7 @@ impl Report {
             head,
             outputs: Vec::new(),
             failures: Vec::new(),
+            warnings: Vec::new(),
             nodes: BTreeMap::new(),
             peak_bytes: 0,
             planned_bytes: 0,
@@ -57,6 +59,11 @@ impl Report {
 
     pub(super) fn output(&mut self, output: Json) {
         self.outputs.push(output);
+    }
+
+    /// What a person should know of the result.
+    pub(super) fn warning(&mut self, text: String) {
+        self.warnings.push(text);
     }
 
     pub(super) fn failure(&mut self, output: &str, message: &str) {
@@ -96,6 +103,7 @@ impl Report {
         report.insert("planned_bytes".into(), json!(self.planned_bytes));
         report.insert("process_peak_bytes".into(), json!(crate::engine::process_peak()));
         report.insert("outputs".into(), Json::from(self.outputs));
+        report.insert("warnings".into(), Json::from(self.warnings));
         report.insert("failures".into(), Json::from(self.failures));
         report.insert("nodes".into(), Json::from(nodes));
         let text = format!("{:#}\n", Json::from(report));

@@ -89,6 +89,8 @@ pub struct Evaluation {
     pub peak_bytes: u64,
     /// The estimate it was admitted with.
     pub planned_bytes: u64,
+    /// For each want the spacing of the finest detail its value can hold, in metres; `None` where there is no value.
+    pub effective_cells: Vec<Option<f64>>,
 }
 
 /// Evaluates graphs and keeps what it computed.
@@ -181,8 +183,8 @@ impl Engine {
             self.store.limit(spare / 2);
             let threads = self.pool.current_num_threads();
             let (plan, store, pool) = (&plan, &self.store, &self.pool);
-            let workers = threads.min(plan.tasks.len()).min(4);
-            let ran = run::Runner { plan, store, pool, observer, cancel, slack: spare / 2, workers }.run();
+            let abreast = threads.min(4);
+            let ran = run::Runner { plan, store, pool, observer, cancel, slack: spare / 2, abreast }.run();
             if cancel.is_cancelled() {
                 return Err(EngineError::Cancelled);
             }
@@ -197,6 +199,7 @@ impl Engine {
                 tasks: ran.reports,
                 peak_bytes: ran.peak_bytes,
                 planned_bytes: plan.peak_bytes(),
+                effective_cells: (0..wants.len()).map(|i| plan.effective_cell(i)).collect(),
             });
         }
     }

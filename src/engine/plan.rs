@@ -3,6 +3,7 @@
 //! Windows are asked for from the consumers up: each node collects the windows that its consumers need, one per
 //! lattice, before it asks its own sources; so nothing runs twice. What the cache holds asks for nothing.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::cache::{Found, Store};
@@ -188,9 +189,44 @@ impl Plan {
         held_bytes(&self.tasks)
     }
 
+    /// How often each task's result is read.
+    pub(super) fn uses(&self) -> Vec<usize> {
+        uses(&self.tasks, &self.wanted)
+    }
+
+    /// The tasks that read each task's result, once for each reading.
+    pub(super) fn consumers(&self) -> Vec<Vec<usize>> {
+        let mut consumers = vec![Vec::new(); self.tasks.len()];
+        for (i, task) in self.tasks.iter().enumerate() {
+            task.needs.iter().for_each(|(_, need)| consumers[*need].push(i));
+        }
+        consumers
+    }
+
+    /// Bytes of the files, each once, and of what every node that runs decodes from them.
     fn file_bytes(&self) -> u64 {
         let steps = self.program.steps.iter().flatten();
-        steps.flat_map(|s| &s.files).map(|f| f.bytes.len() as u64).sum()
+        let files: BTreeMap<_, _> =
+            steps.flat_map(|s| &s.files).map(|f| (f.hash, f.bytes.len() as u64)).collect();
+        let runs = self.tasks.iter().filter(|t| t.found.is_none()).map(|t| t.step);
+        let decoded = runs.collect::<BTreeSet<_>>().into_iter().map(|step| match &self.program.steps[step] {
+            Ok(step) => step.node.decoded_bytes(&step.files),
+            Err(_) => 0,
+        });
+        files.into_values().chain(decoded).fold(0, u64::saturating_add)
+    }
+
+    /// Distance between samples of the base grid, in metres.
+    pub fn base_cell(&self) -> f64 {
+        self.program.terrain.base_cell()
+    }
+
+    /// Nodes whose narrowest feature the base grid cannot hold: two of its cells are wider.
+    pub fn too_narrow(&self) -> Vec<(&str, f64)> {
+        let base = self.base_cell();
+        let steps = self.program.steps.iter().flatten().filter(|s| s.reach == Reach::Global);
+        let narrow = steps.filter_map(|s| Some((s.name.as_str(), s.node.narrowest()?)));
+        narrow.filter(|(_, width)| *width < 2.0 * base).collect()
     }
 
     /// Estimated seconds on one core.
@@ -225,7 +261,7 @@ impl Plan {
     }
 
     fn effective_cells(&self) -> Vec<f64> {
-        let base = self.program.terrain.base_cell();
+        let base = self.base_cell();
         let mut cells: Vec<f64> = Vec::with_capacity(self.tasks.len());
         for task in &self.tasks {
             let own = if task.stage == Stage::Lift { base.max(task.grid.cell()) } else { task.grid.cell() };
@@ -437,15 +473,17 @@ fn held_bytes(tasks: &[Task]) -> u64 {
     tasks.iter().filter(|t| t.held()).map(|t| t.output_bytes).sum()
 }
 
+/// How often each task's result is read.
+fn uses(tasks: &[Task], wanted: &[Wanted]) -> Vec<usize> {
+    let mut uses = vec![0; tasks.len()];
+    let needs = tasks.iter().flat_map(|t| &t.needs).map(|(_, need)| need);
+    needs.chain(wanted.iter().flatten()).for_each(|t| uses[*t] += 1);
+    uses
+}
+
 /// Walks the tasks in order and keeps account of what is alive.
 fn peak(tasks: &[Task], wanted: &[Wanted]) -> Peak {
-    let mut uses = vec![0usize; tasks.len()];
-    for (_, t) in tasks.iter().flat_map(|t| &t.needs) {
-        uses[*t] += 1;
-    }
-    for task in wanted.iter().flatten() {
-        uses[*task] += 1;
-    }
+    let mut uses = uses(tasks, wanted);
     let mut alive = held_bytes(tasks);
     let mut peak = Peak { bytes: alive, task: 0 };
     for (i, task) in tasks.iter().enumerate() {

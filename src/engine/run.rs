@@ -4,11 +4,13 @@
 //! order. Others start ahead of it only while what they add fits beside that peak, so the account never goes over
 //! the budget and never comes to a standstill.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+
+use rayon::Scope;
 
 use super::cache::{Found, Given, Store};
 use super::error::{Failure, SharedFailure};
@@ -86,12 +88,19 @@ pub(super) struct Runner<'a> {
     pub cancel: &'a Cancel,
     /// Bytes that tasks may add ahead of the first that is not done.
     pub slack: u64,
-    pub workers: usize,
+    /// Most tasks that run side by side; each also spreads its own work over the pool.
+    pub abreast: usize,
 }
 
 struct State {
     ends: Vec<Option<End>>,
-    started: Vec<bool>,
+    /// Needs of each task that are not done.
+    missing: Vec<usize>,
+    /// Tasks whose needs are done and that have not started.
+    ready: BTreeSet<usize>,
+    running: usize,
+    /// The first task that is not done.
+    first: usize,
     uses: Vec<usize>,
     reports: BTreeMap<usize, TaskReport>,
     /// Bytes that tasks beyond the first unfinished one hold.
@@ -101,34 +110,44 @@ struct State {
     damaged: bool,
 }
 
-impl Runner<'_> {
-    pub(super) fn run(&self) -> Ran {
-        let n = self.plan.tasks.len();
-        let mut uses = vec![0; n];
-        for (_, need) in self.plan.tasks.iter().flat_map(|t| &t.needs) {
-            uses[*need] += 1;
-        }
-        for task in self.plan.wanted.iter().flatten() {
-            uses[*task] += 1;
-        }
-        let state = State {
+impl State {
+    fn new(plan: &Plan) -> Self {
+        let n = plan.tasks.len();
+        let missing: Vec<usize> = plan.tasks.iter().map(|t| t.needs.len()).collect();
+        Self {
             ends: vec![None; n],
-            started: vec![false; n],
-            uses,
+            ready: (0..n).filter(|i| missing[*i] == 0).collect(),
+            missing,
+            running: 0,
+            first: 0,
+            uses: plan.uses(),
             reports: BTreeMap::new(),
             ahead: BTreeMap::new(),
-            alive: self.plan.held_bytes(),
+            alive: plan.held_bytes(),
             peak: 0,
             damaged: false,
-        };
-        let shared = (Mutex::new(state), Condvar::new());
-        std::thread::scope(|scope| {
-            for _ in 1..self.workers.max(1) {
-                scope.spawn(|| self.work(&shared));
-            }
-            self.work(&shared);
-        });
-        let state = shared.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Enters a task as started and hands over what it needs.
+    fn start(&mut self, i: usize, task: &Task) -> Vec<Option<End>> {
+        self.ready.remove(&i);
+        self.running += 1;
+        if i > self.first {
+            self.ahead.insert(i, task.bytes());
+        }
+        self.alive += task.bytes();
+        self.peak = self.peak.max(self.alive);
+        task.needs.iter().map(|(_, t)| self.ends[*t].clone()).collect()
+    }
+}
+
+impl Runner<'_> {
+    pub(super) fn run(&self) -> Ran {
+        let consumers = self.plan.consumers();
+        let state = Mutex::new(State::new(self.plan));
+        self.pool.in_place_scope(|scope| self.launch(scope, &state, &consumers));
+        let state = state.into_inner().unwrap_or_else(PoisonError::into_inner);
         let stopped = || Arc::new(Failure::Graph("cancelled".into()));
         let end = |w: &Result<usize, SharedFailure>| match w {
             Ok(task) => state.ends[*task].clone().unwrap_or_else(|| Err(stopped())),
@@ -143,50 +162,44 @@ impl Runner<'_> {
         }
     }
 
-    /// Takes tasks until none is left.
-    fn work(&self, (state, wake): &(Mutex<State>, Condvar)) {
+    /// Starts every task that is ready and may start; each, when it ends, starts those that waited for it.
+    fn launch<'s>(&'s self, scope: &Scope<'s>, state: &'s Mutex<State>, consumers: &'s [Vec<usize>]) {
         let lock = || state.lock().unwrap_or_else(PoisonError::into_inner);
         let mut guard = lock();
-        loop {
-            if self.cancel.is_cancelled() || guard.damaged || guard.ends.iter().all(Option::is_some) {
-                wake.notify_all();
-                return;
-            }
-            let Some(i) = self.next(&guard) else {
-                guard = wait(wake, guard);
-                continue;
-            };
+        while let Some(i) = self.next(&guard) {
             let task = &self.plan.tasks[i];
-            guard.started[i] = true;
-            let first = guard.ends.iter().position(Option::is_none).unwrap_or(i);
-            if i > first {
-                guard.ahead.insert(i, task.bytes());
-            }
-            guard.alive += task.bytes();
-            guard.peak = guard.peak.max(guard.alive);
-            let given: Vec<_> = task.needs.iter().map(|(_, t)| guard.ends[*t].clone()).collect();
-            drop(guard);
-            let (end, report, damaged) = self.execute(i, task, &given);
-            guard = lock();
-            guard.damaged |= damaged;
-            self.settle(&mut guard, i, task, end, report);
-            wake.notify_all();
+            let given = guard.start(i, task);
+            scope.spawn(move |scope| {
+                let (end, report, damaged) = self.execute(i, task, &given);
+                drop(given);
+                let mut guard = lock();
+                guard.damaged |= damaged;
+                self.settle(&mut guard, i, task, end, report);
+                for &consumer in &consumers[i] {
+                    guard.missing[consumer] -= 1;
+                    if guard.missing[consumer] == 0 {
+                        guard.ready.insert(consumer);
+                    }
+                }
+                drop(guard);
+                self.launch(scope, state, consumers);
+            });
         }
     }
 
     /// The first task that is ready and may start.
     fn next(&self, state: &State) -> Option<usize> {
-        let ready = |i: &usize| {
-            !state.started[*i] && self.plan.tasks[*i].needs.iter().all(|(_, t)| state.ends[*t].is_some())
-        };
-        let first = state.ends.iter().position(Option::is_none)?;
-        let ahead: u64 = state.ahead.range(first..).map(|(_, b)| b).sum();
-        let fits = |i: &usize| *i == first || ahead + self.plan.tasks[*i].bytes() <= self.slack;
-        (first..self.plan.tasks.len()).filter(ready).find(fits)
+        if self.cancel.is_cancelled() || state.damaged || state.running >= self.abreast {
+            return None;
+        }
+        let ahead: u64 = state.ahead.values().sum();
+        let fits = |i: &usize| *i == state.first || ahead + self.plan.tasks[*i].bytes() <= self.slack;
+        state.ready.iter().copied().find(fits)
     }
 
     /// Enters the end of a task and lets go of what nobody needs any more.
     fn settle(&self, state: &mut State, i: usize, task: &Task, end: End, report: TaskReport) {
+        state.running -= 1;
         state.alive = state.alive.saturating_sub(task.scratch_bytes());
         let released = task.needs.iter().map(|(_, need)| *need).chain((state.uses[i] == 0).then_some(i));
         let released: Vec<usize> = released.collect();
@@ -202,8 +215,10 @@ impl Runner<'_> {
                 }
             }
         }
-        let first = state.ends.iter().position(Option::is_none).unwrap_or(usize::MAX);
-        state.ahead = state.ahead.split_off(&first);
+        while state.ends.get(state.first).is_some_and(Option::is_some) {
+            state.first += 1;
+        }
+        state.ahead = state.ahead.split_off(&state.first);
     }
 
     fn execute(&self, i: usize, task: &Task, needs: &[Option<End>]) -> (End, TaskReport, bool) {
@@ -273,7 +288,7 @@ impl Runner<'_> {
             progress: &progress,
             share: (0.0, 1.0),
         };
-        let work = || self.pool.install(|| stage(&cx, task, &*step.node, step.kind, &needs));
+        let work = || stage(&cx, task, &*step.node, step.kind, &needs);
         let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)))?;
         self.store.keep(task.key, task.grid, &given);
         if let Some(disk) = &self.store.disk {
@@ -282,12 +297,6 @@ impl Runner<'_> {
         }
         Ok(Arc::new(given))
     }
-}
-
-fn wait<'a>(wake: &Condvar, guard: MutexGuard<'a, State>) -> MutexGuard<'a, State> {
-    // Woken also now and then, so that a cancellation from outside is seen.
-    let pause = std::time::Duration::from_millis(50);
-    wake.wait_timeout(guard, pause).unwrap_or_else(PoisonError::into_inner).0
 }
 
 fn panicked(panic: &(dyn std::any::Any + Send)) -> Error {

@@ -145,6 +145,26 @@ pub fn read_height(
     read_height_as(name, bytes, sidecar, limits, Encoding::Auto)
 }
 
+/// The size a height file claims, as columns and rows, from its header alone.
+///
+/// # Errors
+/// Those of [`read_height`] that show before the first sample.
+pub fn claimed_size(
+    name: &str,
+    bytes: &[u8],
+    sidecar: Option<&[u8]>,
+    limits: &Limits,
+) -> Result<[u64; 2], ReadError> {
+    // Every reader holds the claim against the limits before it takes memory, and tells what was claimed.
+    let [cols, rows] = match read_height(name, bytes, sidecar, &Limits { samples: 0, side: 0 }) {
+        Err(ReadError { fault: Fault::Size { cols, rows, .. }, .. }) => [cols, rows],
+        Err(other) => return Err(other),
+        Ok(file) => [file.cols as u64, file.rows as u64],
+    };
+    limits.samples(cols, rows).map_err(|fault| fault.of(name))?;
+    Ok([cols, rows])
+}
+
 /// Reads a height file whose pixels, if it is a PNG, hold heights in a known way; else as [`read_height`].
 ///
 /// # Errors

@@ -37,7 +37,7 @@ pub use apart::apart;
 pub use atomic::{Stamp, write_atomic};
 pub use error::{Fault, ReadError, WriteError};
 pub use format::{Format, Source};
-pub use height::{Encoding, HeightFile, Limits, Origin, read_height, read_height_as};
+pub use height::{Encoding, HeightFile, Limits, Origin, claimed_size, read_height, read_height_as};
 pub use info::{Info, info};
 pub use place::{Affine, Anchor, Placement, Units};
 pub use relief::{Closing, Relief, Reliefs, Request};

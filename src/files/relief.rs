@@ -119,6 +119,12 @@ impl Relief {
         Ok(Self { cols, rows, placement: file.placement, heights, voids, spline })
     }
 
+    /// Bytes that reading a file of a size takes at the peak: samples, marks of voids, coefficients, and what the
+    /// readers hold beside them.
+    pub fn bytes(cols: u64, rows: u64, cubic: bool) -> u64 {
+        cols.saturating_mul(rows).saturating_mul(if cubic { 17 } else { 13 })
+    }
+
     /// Whether some sample was void.
     pub fn has_voids(&self) -> bool {
         !self.voids.is_empty()

@@ -33,7 +33,7 @@ use serde_json::{Map, Value as Json};
 
 pub use load::{LoadError, MAX_FILE, MAX_NAMED, MAX_NODES};
 pub use migrate::FORMAT;
-pub use parts::{About, Backend, Exposed, GraphNode, KindRef, Output, OutputFormat, TARGETS};
+pub use parts::{About, Backend, Exposed, GraphNode, KindRef, Output};
 pub use problem::{Place, Problem, Severity};
 pub use schema::schema;
 pub use settings::terrain_params;

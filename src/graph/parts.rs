@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value as Json};
 
 use super::problem::{Hints, Severity, listed};
+use crate::files::{Format, Target};
 use crate::node::{self, AnyNode, Kind};
 use crate::params::{self, Param};
 
@@ -104,56 +105,6 @@ impl GraphNode {
     }
 }
 
-/// The file format of an output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum OutputFormat {
-    /// PNG with 8 bits a channel.
-    Png8,
-    /// PNG with 16 bits a channel.
-    Png16,
-    /// GeoTIFF of 32-bit floats.
-    Tiff,
-    /// GeoTIFF of unsigned 16-bit integers.
-    Tiff16,
-    /// OpenEXR of 32-bit floats.
-    Exr,
-    /// Raw unsigned 16-bit integers, little-endian.
-    R16,
-    /// Raw 32-bit floats, little-endian.
-    R32,
-    /// Esri ASCII grid.
-    Asc,
-}
-
-impl OutputFormat {
-    /// All formats.
-    pub const ALL: [Self; 8] =
-        [Self::Png8, Self::Png16, Self::Tiff, Self::Tiff16, Self::Exr, Self::R16, Self::R32, Self::Asc];
-
-    /// The name in the file and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Png8 => "png8",
-            Self::Png16 => "png16",
-            Self::Tiff => "tiff",
-            Self::Tiff16 => "tiff16",
-            Self::Exr => "exr",
-            Self::R16 => "r16",
-            Self::R32 => "r32",
-            Self::Asc => "asc",
-        }
-    }
-
-    /// The format of a name.
-    pub fn find(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|f| f.name() == name)
-    }
-}
-
-/// The programs that an output can be meant for.
-pub const TARGETS: [&str; 3] = ["unreal", "unity", "godot"];
-
 /// One output of a graph: a file to write.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
@@ -164,16 +115,16 @@ pub struct Output {
     pub from: String,
     /// File format; by default one that suits the values: `exr` for heights and fields, `png16` for masks, `png8` for colours.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub format: Option<OutputFormat>,
+    pub format: Option<Format>,
     /// The values that the lowest and the highest integer of the file stand for; by default those found on the base grid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
     /// Lets values beyond the range be cut off instead of stopping the build.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub clip: bool,
-    /// The program that the file is meant for: `unreal`, `unity` or `godot`.
+    /// The program that the file is meant for.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub target: Option<String>,
+    pub target: Option<Target>,
     /// Writes the rows from south to north.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub flip: bool,

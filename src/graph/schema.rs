@@ -5,7 +5,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::parts::{About, Exposed, NodeKeys, Output};
 use super::settings::Settings;
-use super::{FORMAT, MAX_NAMED, MAX_NODES, TARGETS};
+use super::{FORMAT, MAX_NAMED, MAX_NODES};
 use crate::node::Kind;
 use crate::nodes::Registry;
 
@@ -103,7 +103,6 @@ fn output_schema(defs: &mut Map<String, Json>) -> Json {
     let text = from["description"].take();
     *from = source();
     from["description"] = text;
-    output["properties"]["target"]["enum"] = TARGETS.iter().map(|t| json!(t)).chain([Json::Null]).collect();
     output
 }
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use serde_json::{Map, Value as Json};
 
-use super::parts::{About, Exposed, GraphNode, KindRef, NodeKeys, Output, Part, TARGETS, faults};
+use super::parts::{About, Exposed, GraphNode, KindRef, NodeKeys, Output, Part, faults};
 use super::problem::{Hints, Place, Problem, Severity, listed};
 use super::write::brief;
 use super::{Graph, NodeId, settings};
@@ -194,10 +194,6 @@ impl Graph {
             && !(low.is_finite() && high.is_finite() && low < high)
         {
             found.push(error(format!("`range` must be a lower and a higher number, got [{low}, {high}]")));
-        }
-        if let Some(target) = output.target.as_deref().filter(|t| !TARGETS.contains(t)) {
-            let hint = hints.nearest(target, TARGETS);
-            found.push(error(format!("`target` must be one of {}, got `{target}`{hint}", listed(TARGETS))));
         }
         found
     }

@@ -86,12 +86,14 @@ fn a_build_leaves_whole_files_and_a_true_report() {
     let report = desk.report();
     assert_eq!(report["status"], "done");
     assert_eq!(report["variables"]["relief"], "300");
+    assert_eq!(report["warnings"], json!([]));
     let outputs = report["outputs"].as_array().unwrap();
     assert_eq!(outputs.len(), 2);
     for o in outputs {
         let path = desk.path("out").join(o["path"].as_str().unwrap());
         assert_eq!(o["sha256"], sha256(&path));
         assert_eq!((o["cols"].as_u64(), o["rows"].as_u64()), (Some(129), Some(65)));
+        assert_eq!(o["effective_cell"], o["cell"]);
     }
     let nodes: Vec<_> =
         report["nodes"].as_array().unwrap().iter().map(|n| n["node"].as_str().unwrap()).collect();

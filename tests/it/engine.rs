@@ -327,6 +327,21 @@ impl Observer for Stop<'_> {
 }
 
 #[test]
+fn the_plan_names_features_that_the_base_grid_cannot_hold() {
+    let too_narrow = |metres: f64| {
+        let g = graph(json!({
+            "hills": { "kind": "waves" },
+            "dug": { "kind": "dig", "set": { "narrowest": metres }, "in": { "field": "hills.field" } },
+        }));
+        let plan = engine(1).plan(&g, &[want(&g, "dug", grid(&g, 33))]);
+        plan.too_narrow().into_iter().map(|(node, width)| (node.to_owned(), width)).collect::<Vec<_>>()
+    };
+    // Cells of the base grid are 32 m.
+    assert_eq!(too_narrow(63.0), [("dug".to_owned(), 63.0)]);
+    assert_eq!(too_narrow(64.0), []);
+}
+
+#[test]
 fn cancelling_stops_inside_a_node_and_the_engine_goes_on_after() {
     let g =
         graph(json!({ "slow": { "kind": "slow", "set": { "seconds": 60 } }, "hills": { "kind": "waves" } }));

@@ -38,7 +38,7 @@ params! {
     Sum {}
     Smooth { radius: Metres = Metres(120.0) }
     Spread { amount: Ratio = Ratio(0.5) }
-    Dig { depth: Metres = Metres(50.0) }
+    Dig { depth: Metres = Metres(50.0), narrowest: Metres = Metres(1000.0) }
     Stretch {}
     Copy {}
     NotANumber {}
@@ -170,6 +170,9 @@ impl Node for Dig {
         Meta::new().carries(&[("field", "field")]).mixes(&[("field", "field")]).reads(Reads::TERRAIN);
     fn reach(&self) -> Reach {
         Reach::Global
+    }
+    fn narrowest(&self) -> Option<f64> {
+        Some(self.narrowest.0)
     }
     fn run(&self, cx: &Context<'_>, One { field }: One) -> Result<One> {
         let middle = cx.terrain()?.width / 2.0 + cx.terrain()?.origin[0];

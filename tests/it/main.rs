@@ -4,11 +4,14 @@
 
 mod cli;
 mod engine;
+mod fed;
 mod files;
 mod filters;
 mod generate;
+mod golden;
 mod graph;
 mod kinds;
 mod laws;
+mod memory;
 mod render;
 mod select;

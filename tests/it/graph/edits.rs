@@ -1,6 +1,7 @@
 //! Edits do what they say or leave the graph as it was.
 
-use orograph::graph::{About, Backend, Graph, Output, OutputFormat};
+use orograph::files::Format;
+use orograph::graph::{About, Backend, Graph, Output};
 use serde_json::json;
 
 use super::kinds::*;
@@ -41,13 +42,13 @@ fn a_graph_made_by_hand_is_the_one_in_the_file() {
     graph.expose("ruggedness", exposed).unwrap();
     let from = || "height.field".to_owned();
     graph
-        .add_output("height", Output { from: from(), format: Some(OutputFormat::Exr), ..Output::default() })
+        .add_output("height", Output { from: from(), format: Some(Format::Exr), ..Output::default() })
         .unwrap();
     let unreal = Output {
         from: from(),
-        format: Some(OutputFormat::Png16),
+        format: Some(Format::Png16),
         range: Some([-256.0, 1792.0]),
-        target: Some("unreal".into()),
+        target: Some(orograph::files::Target::Unreal),
         ..Output::default()
     };
     graph.add_output("for_unreal", unreal).unwrap();

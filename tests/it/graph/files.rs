@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use orograph::graph::{Backend, Graph, KindRef, LoadError, OutputFormat};
+use orograph::files::Format;
+use orograph::graph::{Backend, Graph, KindRef, LoadError};
 use serde_json::json;
 
 use super::kinds::*;
@@ -37,7 +38,7 @@ fn the_canonical_form_is_the_one_of_the_description() {
     let source = graph.source(height, "b").unwrap();
     assert_eq!((graph.node(source.node).name.as_str(), source.port), ("plain", "field"));
     let output = graph.output("for_unreal").unwrap();
-    assert_eq!((output.format, output.range), (Some(OutputFormat::Png16), Some([-256.0, 1792.0])));
+    assert_eq!((output.format, output.range), (Some(Format::Png16), Some([-256.0, 1792.0])));
     assert_eq!(graph.output_source("height").unwrap().node, height);
 }
 

@@ -253,7 +253,7 @@ fn every_fault_inside_a_graph_names_its_place() {
         &["output `four`: reads `hils.field`, but the graph has no node `hils`"],
         &["output `five`: `range` must be a lower and a higher number, got [5, 5]"],
         &[
-            "output `five`: `target` must be one of `unreal`, `unity`, `godot`, got `unrael`; did you mean `unreal`?",
+            "output `five`: `target` must be one of unreal, unity, godot, got \"unrael\"; did you mean `unreal`?",
         ],
         &["output `five`: `clip` must be true or false, got 1"],
         &["output `six`: `range` must have 2 items, got 1"],

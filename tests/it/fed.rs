@@ -1,0 +1,131 @@
+//! One node of a kind, fed busy fields: what the loops over all kinds look at.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use orograph::engine::{Engine, Files, Options, Unobserved, Want};
+use orograph::graph::Graph;
+use orograph::node::{Cancel, Kind};
+use orograph::params::{Param, Shape};
+use orograph::value::{Grid, Value, WireType};
+use serde_json::{Map, Value as Json, json};
+
+use crate::kinds::registry;
+
+/// A folder with a small height file, for the kinds that read one.
+static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text =
+        String::from("ncols 20\nnrows 13\nxllcorner 0\nyllcorner 0\ncellsize 200\nNODATA_value -9999\n");
+    for r in 0..13 {
+        let row: Vec<String> = (0..20).map(|c| ((c * 7 + r * 13) % 29 * 10).to_string()).collect();
+        text += &(row.join(" ") + "\n");
+    }
+    std::fs::write(folder.path().join("small.asc"), text).unwrap();
+    folder
+});
+
+/// The shipped kinds.
+pub(crate) fn shipped() -> Vec<&'static Kind> {
+    orograph::nodes::Registry::standard().iter().collect()
+}
+
+pub(crate) fn engine(threads: usize) -> Engine {
+    let mut files = Files::default();
+    files.allow_folder(FOLDER.path()).unwrap();
+    Engine::new(&Options { threads, ..Options::default() }, files).unwrap()
+}
+
+/// A graph in which one node of a kind is fed busy fields: heights, and masks where the input is one.
+pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> Graph {
+    let mut set = set.clone();
+    for p in kind.params().iter().filter(|p| p.widget.as_deref() == Some("file")) {
+        set.insert(p.name.clone(), json!("small.asc"));
+    }
+    let mut inputs = Map::new();
+    for (i, port) in kind.inputs().enumerate().filter(|(_, p)| p.name != "mask" || mask.is_none()) {
+        let wanted = match port.wire {
+            WireType::Field => {
+                ["first.field", "second.field", "share.field"][if is_share(port.name) { 2 } else { i % 2 }]
+            }
+            WireType::Vectors => "turns.vectors",
+            WireType::Colors => "tints.colors",
+        };
+        // The engine's own mask is left out here: it has a test of its own.
+        if port.name != "mask" || kind.meta.mixes.is_empty() {
+            inputs.insert(port.name.to_owned(), json!(wanted));
+        }
+    }
+    if let Some(mask) = mask {
+        inputs.insert("mask".to_owned(), json!(mask));
+    }
+    let file = json!({
+        "orograph": 1,
+        "terrain": { "width": 4096, "depth": 2048, "base": 65, "seed": 9 },
+        "nodes": {
+            "first": { "kind": "waves", "set": { "height": 300, "length": 900, "seed": 5 } },
+            "second": { "kind": "waves", "set": { "height": 120, "length": 333, "seed": 6 } },
+            "share": { "kind": "stretch", "in": { "field": "second.field" } },
+            "turns": { "kind": "normals", "in": { "height": "first.field" } },
+            "tints": { "kind": "colorize", "in": { "field": "first.field" } },
+            "zero": { "kind": "constant", "set": { "value": 0, "quantity": "mask" } },
+            "one": { "kind": "constant", "set": { "value": 1, "quantity": "mask" } },
+            "node": { "kind": kind.id, "set": set, "in": inputs },
+        },
+        "outputs": {},
+    });
+    Graph::from_bytes(file.to_string().as_bytes(), &registry()).unwrap()
+}
+
+fn is_share(port: &str) -> bool {
+    matches!(port, "mask" | "roughness" | "shade" | "amount")
+}
+
+/// All outputs of the node, or the first failure.
+pub(crate) fn outputs(
+    engine: &Engine,
+    graph: &Graph,
+    kind: &Kind,
+    grid: Grid,
+) -> Result<BTreeMap<&'static str, Value>, String> {
+    let node = graph.find("node").unwrap();
+    let wants: Vec<Want> = kind.outputs.iter().map(|p| Want { node, port: p.name, grid }).collect();
+    let all = engine.evaluate(graph, &wants, &Unobserved, &Cancel::default()).map_err(|e| e.to_string())?;
+    kind.outputs.iter().zip(all.values).map(|(p, v)| Ok((p.name, v.map_err(|f| f.to_string())?))).collect()
+}
+
+pub(crate) fn bits(value: &Value) -> Vec<u32> {
+    value.components().iter().map(|x| x.to_bits()).collect()
+}
+
+pub(crate) fn grid(graph: &Graph, size: u32) -> Grid {
+    graph.terrain().grid(size).unwrap()
+}
+
+/// Values at the ends of what a parameter allows, and each of its modes with the ends of their fields.
+pub(crate) fn extremes(shape: &Shape, default: &Json) -> Vec<Json> {
+    match shape {
+        Shape::Number { min, max, integer: true } => vec![json!(*min as i64), json!(*max as i64)],
+        Shape::Number { min, max, .. } => vec![json!(min), json!(max), json!(min + (max - min) * 0.37)],
+        Shape::Flag => vec![json!(true), json!(false)],
+        Shape::Optional(inner) => extremes(inner, default).into_iter().chain([Json::Null]).collect(),
+        Shape::Choice(modes) => modes.iter().flat_map(|m| mode_extremes(&m.name, &m.fields)).collect(),
+        _ => vec![default.clone()],
+    }
+}
+
+fn mode_extremes(name: &str, fields: &[Param]) -> Vec<Json> {
+    if fields.is_empty() {
+        return vec![json!(name)];
+    }
+    let at = |pick: usize| {
+        let field = |f: &Param| {
+            let ends = extremes(&f.shape, &f.default);
+            let value = ends.get(pick.min(ends.len().saturating_sub(1))).cloned().unwrap_or(Json::Null);
+            (f.name.clone(), value)
+        };
+        let body: Map<String, Json> = fields.iter().map(field).collect();
+        json!({ name: body })
+    };
+    (0..3).map(at).collect()
+}

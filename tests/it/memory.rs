@@ -1,0 +1,213 @@
+//! What kinds say they take beside inputs and outputs, held against what an allocator saw.
+//!
+//! Bytes are counted by thread, and a node is run on a pool of one: other tests do not disturb the count.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use orograph::engine::{Unobserved, Want};
+use orograph::files::{Closing, Encoding, Format, Limits, Relief, Request, WriteJob, claimed_size, encode};
+use orograph::graph::Graph;
+use orograph::node::{Cancel, Context, Kind, Reach};
+use orograph::ports::{MASK, Wires};
+use orograph::value::{Field, Grid, Quantity, Terrain, Value};
+use serde_json::{Map, Value as Json, json};
+
+use crate::fed::{engine, extremes, fed, shipped};
+use crate::kinds::registry;
+
+/// The system's allocator with an account of each thread.
+struct Counting;
+
+thread_local! {
+    /// Bytes this thread holds more than it gave back, and the most of it.
+    static HELD: Cell<(i64, i64)> = const { Cell::new((0, 0)) };
+}
+
+fn count(bytes: i64) {
+    // A thread that ends may free after its account is gone.
+    let _ = HELD.try_with(|held| {
+        let now = held.get().0 + bytes;
+        held.set((now, held.get().1.max(now)));
+    });
+}
+
+#[allow(unsafe_code, reason = "an allocator cannot be written without")]
+// SAFETY: every call goes to the system's allocator with the arguments as they came; counting allocates nothing, since
+// the account is a constant-initialised cell.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as i64);
+        // SAFETY: the caller's promise is handed on.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as i64);
+        // SAFETY: the caller's promise is handed on.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        count(-(layout.size() as i64));
+        // SAFETY: the caller's promise is handed on.
+        unsafe { System.dealloc(memory, layout) }
+    }
+    unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count(size as i64 - layout.size() as i64);
+        // SAFETY: the caller's promise is handed on.
+        unsafe { System.realloc(memory, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Runs work on a pool of one thread; the most bytes it held at once beyond what it held before, and its result.
+fn peak<T: Send>(work: impl FnOnce() -> T + Send) -> (u64, T) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| {
+        let before = HELD.with(|held| {
+            let now = held.get().0;
+            held.set((now, now));
+            now
+        });
+        let result = work();
+        (HELD.with(|held| (held.get().1 - before) as u64), result)
+    })
+}
+
+/// What a node said it takes on a grid beside inputs and outputs, and what it took.
+fn said_and_taken(kind: &'static Kind, set: &Map<String, Json>, size: u32) -> Option<(u64, u64)> {
+    let graph = fed(kind, set, None);
+    let id = graph.find("node").unwrap();
+    let node = graph.node(id).parse().ok()?;
+    if !node.files().is_empty() {
+        return None;
+    }
+    let (terrain, e, cancel) = (graph.terrain(), engine(1), Cancel::default());
+    let grid = if node.reach() == Reach::Global { terrain.base_grid() } else { terrain.grid(size).unwrap() };
+    let evaluate = |want: Want| e.evaluate(&graph, &[want], &Unobserved, &cancel).unwrap().values.remove(0);
+    let inputs = |window: &dyn Fn(&str) -> Grid| -> Wires {
+        let ports = kind.inputs().filter(|p| p.name != MASK.name && node.uses(p.name));
+        let value = |name: &str| {
+            let source = graph.source(id, name)?;
+            Some(evaluate(Want { node: source.node, port: source.port, grid: window(name) }).unwrap())
+        };
+        ports.filter_map(|p| Some((p.name, value(p.name)?))).collect()
+    };
+    let mut cx = Context { reads: kind.meta.reads, ..Context::bare(grid, terrain, &cancel) };
+    let base = Context { grid: terrain.base_grid(), ..cx };
+    let summary =
+        node.needs_summary().then(|| node.summarize(&base, inputs(&|_| terrain.base_grid())).unwrap());
+    cx.whole = summary.as_ref();
+    let wires = inputs(&|port| within_apron(&node.footprint(port, &grid, terrain), terrain));
+    let (took, outputs) = peak(|| node.run(&cx, wires));
+    Some((node.cost(&grid).bytes, took.saturating_sub(outputs.ok()?.bytes())))
+}
+
+/// The part of a window that the engine would hand over.
+fn within_apron(window: &Grid, terrain: &Terrain) -> Grid {
+    let apron = terrain.apron(window.lattice);
+    let start = [window.col.max(apron.col), window.row.max(apron.row)];
+    let end = [window.col_end().min(apron.col_end()), window.row_end().min(apron.row_end())];
+    Grid::between(window.lattice, start, end)
+}
+
+/// Small things that nobody counts: names, rows of pointers, a line of work.
+const SMALL: u64 = 48 << 10;
+
+fn fault(kind: &'static Kind, set: &Map<String, Json>) -> Option<String> {
+    let (said, took) = said_and_taken(kind, set, 257)?;
+    let samples = Json::from(set.clone());
+    (took > said + SMALL).then(|| format!("{} {samples}: says {said} bytes, took {took}", kind.id))
+}
+
+#[test]
+fn no_kind_takes_more_memory_than_it_says() {
+    let (mut faults, mut tried) = (Vec::new(), 0);
+    for kind in shipped() {
+        faults.extend(fault(kind, &Map::new()));
+        for p in kind.params().iter().filter(|p| p.widget.as_deref() != Some("file")) {
+            for value in extremes(&p.shape, &p.default) {
+                let set: Map<String, Json> = [(p.name.clone(), value)].into_iter().collect();
+                faults.extend(fault(kind, &set));
+                tried += 1;
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(tried > 100, "{tried}");
+}
+
+#[test]
+fn a_kind_that_takes_more_than_it_says_is_found() {
+    let registry = registry();
+    let hog = registry.find("hog").unwrap();
+    let share = |share: f64| json!({ "share": share }).as_object().unwrap().clone();
+    assert_eq!(fault(hog, &share(1.0)), None);
+    assert!(fault(hog, &share(0.5)).is_some());
+}
+
+/// Half of it void, so that the filling is counted as well.
+fn coast(size: usize) -> Field {
+    let grid = Terrain { width: 4096.0, depth: 4096.0, ..Terrain::default() }.grid(size as u32).unwrap();
+    Field::from_fn(grid, Quantity::Elevation, |x, y| crate::kinds::waves(x, y, 900.0, 3) * 100.0)
+}
+
+#[test]
+fn no_height_file_takes_more_memory_than_its_header_tells() {
+    let size = 513;
+    let field = coast(size);
+    let terrain = Terrain { width: 4096.0, depth: 4096.0, ..Terrain::default() };
+    let value = Value::Field(field.clone());
+    let job = |format| WriteJob {
+        range: Some([-500.0, 500.0]),
+        ..WriteJob::new(&value, format, &terrain, *field.grid())
+    };
+    for format in Format::ALL {
+        let mut out = std::io::Cursor::new(Vec::new());
+        let written = encode(&job(format), &mut out).unwrap();
+        let (bytes, name) = (out.into_inner(), format!("a.{}", format.extension()));
+        let sidecar = written.sidecar.map(|j| j.to_string().into_bytes());
+        let [cols, rows] = claimed_size(&name, &bytes, sidecar.as_deref(), &Limits::default()).unwrap();
+        assert_eq!([cols, rows], [size as u64; 2], "{format}");
+        for cubic in [false, true] {
+            let request = Request {
+                name: &name,
+                bytes: &bytes,
+                sidecar: sidecar.as_deref().map(|s| (s, [0; 32])),
+                encoding: Encoding::Auto,
+                closing: Closing::Smooth,
+                cubic,
+            };
+            let (took, relief) = peak(|| Relief::new(&request, &Limits::default()));
+            relief.unwrap();
+            let said = Relief::bytes(cols, rows, cubic);
+            assert!(took <= said + SMALL, "{format}, cubic {cubic}: says {said}, took {took}");
+            println!("{format}, cubic {cubic}: {:.1} bytes a sample", took as f64 / (cols * rows) as f64);
+        }
+    }
+}
+
+#[test]
+fn an_import_counts_in_the_plan_with_what_it_decodes() {
+    let graph = |interpolation: &str| {
+        let file = json!({
+            "orograph": 1,
+            "nodes": { "land": { "kind": "import_height", "set": {
+                "file": "small.asc", "interpolation": interpolation } } },
+            "outputs": { "height": { "from": "land.height" } },
+        });
+        Graph::from_bytes(file.to_string().as_bytes(), &registry()).unwrap()
+    };
+    let planned = |interpolation: &str| {
+        let g = graph(interpolation);
+        let want = Want { node: g.find("land").unwrap(), port: "height", grid: g.terrain().grid(3).unwrap() };
+        engine(1).plan(&g, &[want]).peak_bytes()
+    };
+    let samples = 20 * 13;
+    assert_eq!(
+        planned("cubic") - planned("linear"),
+        Relief::bytes(20, 13, true) - Relief::bytes(20, 13, false)
+    );
+    assert!(planned("linear") > samples * 8);
+}
