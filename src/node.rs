@@ -54,8 +54,10 @@ pub enum Error {
         message: String,
     },
     /// A file is missing, unreadable or not what it should be.
-    #[error("{message}: {file}")]
+    #[error("parameter `{parameter}`: {message}: {file}")]
     File {
+        /// The parameter that names it.
+        parameter: &'static str,
         /// The file, as the graph names it.
         file: String,
         /// What is wrong with it.
@@ -261,6 +263,8 @@ impl Default for Meta {
 /// A file that a node wants to read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileRequest {
+    /// The parameter that asks for it.
+    pub parameter: &'static str,
     /// Name beside the graph, or below a folder the user allowed.
     pub name: String,
     /// Whether the node can do without it.

@@ -262,7 +262,8 @@ fn check_choice(modes: &[Choice], value: &Json) -> Result<(), String> {
         Json::Object(object) if object.len() == 1 => {
             let (name, body) = object.iter().next().ok_or("is empty")?;
             let Some(mode) = find(name) else {
-                return Err(format!("must be one of {}, got \"{name}\"", names().join(", ")));
+                let hint = did_you_mean(name, names());
+                return Err(format!("must be one of {}, got \"{name}\"{hint}", names().join(", ")));
             };
             let Some(body) = body.as_object() else { return Err(format!("`{name}` must be an object")) };
             check_all(&mode.fields, body).map_err(|e| format!("`{name}` has a fault: {e}"))

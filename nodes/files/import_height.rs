@@ -155,8 +155,8 @@ impl Node for ImportHeight {
         }
         let sidecar = sidecar_name(&self.file.0);
         vec![
-            FileRequest { name: self.file.0.clone(), optional: false },
-            FileRequest { name: sidecar, optional: true },
+            FileRequest { parameter: "file", name: self.file.0.clone(), optional: false },
+            FileRequest { parameter: "file", name: sidecar, optional: true },
         ]
     }
 
@@ -188,7 +188,7 @@ impl ImportHeight {
         if name.is_empty() {
             return Err(Error::Parameter { name: "file".into(), message: "no file chosen".into() });
         }
-        let fault = |message: String| Error::File { file: name.clone(), message };
+        let fault = |message: String| Error::File { parameter: "file", file: name.clone(), message };
         let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;
         let sidecar = cx.file(&FilePath(sidecar_name(name)));
         let (scale, offset) = (self.height_scale.0, self.height_offset.0);

@@ -20,7 +20,7 @@ pub(super) struct GraphArgs {
     #[arg(long, value_name = "FILE")]
     pub vars: Option<PathBuf>,
     /// Seed of the whole graph
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     pub seed: Option<u32>,
     /// Samples along the longer side of the base grid, on which global nodes run
     #[arg(long, value_name = "N")]
@@ -44,9 +44,9 @@ pub(super) struct GridArgs {
 /// What the engine may use.
 #[derive(Debug, Args)]
 pub(super) struct EngineArgs {
-    /// Worker threads [default: one per processor]
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
-    pub threads: usize,
+    /// Worker threads, at most 512 [default: one per processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
+    pub threads: Option<u16>,
     /// Budget of memory, as 8G or 512M [default: three quarters of the machine's]
     #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
     pub memory: Option<u64>,
@@ -64,8 +64,9 @@ pub(super) struct EngineArgs {
 impl EngineArgs {
     pub(super) fn options(&self) -> Options {
         Options {
-            threads: self.threads,
+            threads: self.threads.map_or(0, usize::from),
             memory: self.memory.unwrap_or_else(default_budget),
+            reserve: 0,
             seconds: self.time.unwrap_or(DEFAULT_SECONDS),
             cache: self.cache.clone(),
             cache_bytes: self.cache_size.unwrap_or(DEFAULT_CACHE_BYTES),

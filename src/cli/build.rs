@@ -1,12 +1,13 @@
 //! `orograph build`: evaluates the outputs of a graph and writes them.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
 use serde_json::{Value as Json, json};
 
 use super::args::{EngineArgs, GraphArgs, GridArgs};
-use super::exit::{Exit, Stop};
+use super::exit::{Exit, Stop, spare_inputs, tell};
 use super::folder::Folder;
 use super::job::{Job, Tile, jobs};
 use super::open::{self, Opened};
@@ -16,7 +17,7 @@ use super::report::Report;
 use super::tiles::{TileArgs, tiles};
 use crate::engine::{Engine, EngineError, Evaluation, Want};
 use crate::files::Format;
-use crate::graph::Graph;
+use crate::graph::{Graph, Place};
 use crate::node::Cancel;
 use crate::nodes::Registry;
 use crate::value::Grid;
@@ -49,7 +50,7 @@ pub(super) struct Args {
     /// Stops at any warning of the graph
     #[arg(long)]
     strict: bool,
-    /// Where the report goes [default: report.json in the folder]
+    /// Where the report goes, - for standard output [default: report.json in the folder]
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// How progress is shown on standard error [default: a bar on a terminal]
@@ -80,7 +81,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     }
     let Opened { graph, files, problems, variables } = open::open(&args.graph, registry)?;
     for problem in &problems {
-        eprintln!("{}: {problem}", if problem.is_error() { "error" } else { "warning" });
+        tell(&format!("{}: {problem}", if problem.is_error() { "error" } else { "warning" }));
     }
     if args.strict && !problems.is_empty() {
         return Err(Stop::new(Exit::Graph, format!("--strict: the graph has {} problems", problems.len())));
@@ -88,15 +89,16 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let (whole, window) = args.grid.grids(graph.terrain())?;
     let tiles = tiles(&args.tiles, &window)?;
     let names = chosen(&graph, &args.outputs)?;
-    let inputs = [args.graph.graph.clone()].into_iter().chain(source_files(&graph, &args.graph.graph));
-    let folder = Folder::open(&args.out, inputs, args.overwrite)?;
+    let inputs = open::inputs(&args.graph, &graph);
     let report_path = args.report.clone().unwrap_or_else(|| args.out.join("report.json"));
+    spare_inputs(&report_path, &inputs)?;
+    let folder = Folder::open(&args.out, &inputs, &report_path, args.overwrite)?;
     let head = head(&graph, args, &whole, variables);
     let mut report = Report::start(&report_path, head)?;
     problems.iter().for_each(|p| report.warning(p.to_string()));
     let mut options = args.engine.options();
     let largest = tiles.iter().map(|t| t.grid.len() as u64).max().unwrap_or(0);
-    options.memory = options.memory.saturating_sub(PROGRAM_BYTES + WRITER_BYTES * largest);
+    options.reserve = PROGRAM_BYTES + WRITER_BYTES * largest;
     let engine = Engine::new(&options, files)?;
     let progress = Progress::new(args.progress);
     let build =
@@ -106,13 +108,6 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let exit = outcome?;
     report.write()?;
     Ok(exit)
-}
-
-/// The files that the nodes read, as far as they lie where the graph says.
-fn source_files(graph: &Graph, path: &std::path::Path) -> Vec<PathBuf> {
-    let folder = path.parent().unwrap_or(std::path::Path::new("."));
-    let nodes = graph.nodes().filter_map(|id| graph.node(id).parse().ok());
-    nodes.flat_map(|n| n.files()).map(|f| folder.join(f.name)).collect()
 }
 
 fn head(
@@ -164,7 +159,16 @@ impl Build<'_> {
         };
         let (mut jobs, broken) = jobs(self.graph, names, format);
         for (name, problem) in broken {
-            failed(&name, problem.to_string(), Exit::Graph, report);
+            let message = match &problem.place {
+                Place::Output(_) => problem.message,
+                _ => problem.to_string(),
+            };
+            failed(&name, message, Exit::Graph, report);
+        }
+        // Refused before anything runs: what follows asks for less.
+        if let Some(largest) = tiles.iter().max_by_key(|t| t.grid.len()) {
+            let wants: Vec<Want> = jobs.iter().map(|j| j.want(largest.grid)).collect();
+            self.engine.admit(&self.engine.plan(self.graph, &wants))?;
         }
         // A few samples tell what each output is, and so its format and range, before anything large runs.
         self.resolve(&mut jobs, tiles, &mut failed, report)?;
@@ -179,6 +183,8 @@ impl Build<'_> {
                 report.warning(warning);
             }
         }
+        // Most notes hold for every tile alike.
+        let mut said = BTreeSet::new();
         for tile in tiles {
             if jobs.is_empty() {
                 break;
@@ -195,10 +201,12 @@ impl Build<'_> {
                 match written {
                     Ok(mut entry) => {
                         entry.json["effective_cell"] = json!(evaluation.effective_cells[i]);
-                        entry
-                            .notes
-                            .iter()
-                            .for_each(|n| self.progress.say(&format!("note: output `{}`: {n}", job.name)));
+                        for note in entry.notes {
+                            let line = format!("note: output `{}`: {note}", job.name);
+                            if said.insert(line.clone()) {
+                                self.progress.say(&line);
+                            }
+                        }
                         report.output(entry.json);
                     }
                     Err(stop) => {
@@ -227,7 +235,8 @@ impl Build<'_> {
         let Some(first) = tiles.first() else { return Ok(()) };
         let corner = Grid { cols: 2.min(first.grid.cols), rows: 2.min(first.grid.rows), ..first.grid };
         self.progress.label("first look");
-        let looks = self.values(jobs, &corner, report)?;
+        let wants: Vec<_> = jobs.iter().map(|j| j.want(corner)).collect();
+        let looks = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
         let mut ranged = Vec::new();
         for (job, value) in jobs.iter_mut().zip(&looks.values) {
             if let Ok(value) = value {

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use super::args::GraphArgs;
-use super::exit::{Exit, Stop, print, save};
-use super::open;
-use crate::graph::Problem;
+use super::exit::{Exit, Stop, print, save, tell};
+use super::open::{self, Opened};
+use crate::graph::{Place, Problem};
+use crate::node::Error;
 use crate::nodes::Registry;
 
 #[derive(Debug, clap::Args)]
@@ -32,12 +33,20 @@ pub(super) struct FmtArgs {
 
 pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
     let opened = open::open(&args.graph, registry)?;
-    let errors = opened.problems.iter().filter(|p| p.is_error()).count();
-    let warnings = opened.problems.len() - errors;
+    let files = file_problems(&opened);
+    // What is wrong with the graph itself counts before what is wrong around it.
+    let exit = match opened.problems.iter().any(Problem::is_error) {
+        true => Exit::Graph,
+        false if files.iter().any(Problem::is_error) => Exit::Input,
+        false => Exit::Done,
+    };
+    let problems: Vec<Problem> = opened.problems.iter().cloned().chain(files).collect();
+    let errors = problems.iter().filter(|p| p.is_error()).count();
+    let warnings = problems.len() - errors;
     if args.json {
-        print(&format!("{:#}\n", as_json(&opened.problems)))?;
+        print(&format!("{:#}\n", as_json(&problems)))?;
     } else {
-        for problem in &opened.problems {
+        for problem in &problems {
             print(&format!("{}: {problem}\n", if problem.is_error() { "error" } else { "warning" }))?;
         }
         let nodes = opened.graph.nodes().count();
@@ -46,14 +55,36 @@ pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
             args.graph.graph.display()
         ))?;
     }
-    Ok(if errors > 0 || (args.strict && warnings > 0) { Exit::Graph } else { Exit::Done })
+    Ok(if exit == Exit::Done && args.strict && warnings > 0 { Exit::Graph } else { exit })
+}
+
+/// Files that the nodes name and that cannot be read, and nodes for which none is chosen.
+fn file_problems(opened: &Opened) -> Vec<Problem> {
+    let (graph, mut found) = (&opened.graph, Vec::new());
+    for id in graph.nodes() {
+        let (node, name) = (graph.node(id), || graph.node(id).name.clone());
+        let (Some(kind), Ok(parsed)) = (node.kind(), node.parse()) else { continue };
+        let place = |parameter: &str| Place::Parameter { node: name(), parameter: parameter.to_owned() };
+        if let Err(Error::File { parameter, file, message }) = opened.files.look(&parsed.files()) {
+            found.push(Problem::error(place(parameter), format!("{message}: {file}")).of(id));
+        }
+        let canonical = parsed.canonical();
+        for p in kind.params().iter().filter(|p| p.widget.as_deref() == Some("file")) {
+            if canonical[&p.name] == "" {
+                found.push(Problem::warning(place(&p.name), "no file is chosen").of(id));
+            }
+        }
+    }
+    found
 }
 
 pub(super) fn as_json(problems: &[Problem]) -> serde_json::Value {
     let one = |p: &Problem| {
         serde_json::json!({
             "severity": if p.is_error() { "error" } else { "warning" },
-            "message": p.to_string(),
+            "place": p.place,
+            "message": p.message,
+            "text": p.to_string(),
         })
     };
     problems.iter().map(one).collect()
@@ -68,12 +99,13 @@ pub(super) fn fmt(args: &FmtArgs, registry: &Registry) -> Result<Exit, Stop> {
             continue;
         }
         if args.check {
-            eprintln!("{}: not in canonical form", path.display());
+            tell(&format!("{}: not in canonical form", path.display()));
             exit = Exit::Failed;
             continue;
         }
-        save(path, &canonical)?;
-        eprintln!("{}: written in canonical form", path.display());
+        // Through a link to the file it leads to.
+        save(&path.canonicalize().unwrap_or_else(|_| path.clone()), &canonical)?;
+        tell(&format!("{}: written in canonical form", path.display()));
     }
     Ok(exit)
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use cap_std::ambient_authority;
 use cap_std::fs::Dir;
 
-use super::exit::{Exit, Stop, save};
+use super::exit::{Exit, Stop, save, tell};
 use crate::files::{
     Encoding, FileJob, Format, Limits, encode_file, read_height_as, sidecar_name, write_atomic,
 };
@@ -85,7 +85,7 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     if let Some(sidecar) = &written.sidecar {
         save(&folder.join(sidecar_name(&name)), format!("{sidecar:#}\n").as_bytes())?;
     }
-    written.notes.iter().for_each(|n| eprintln!("note: {n}"));
+    written.notes.iter().for_each(|n| tell(&format!("note: {n}")));
     Ok(Exit::Done)
 }
 

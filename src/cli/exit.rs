@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use cap_std::ambient_authority;
@@ -100,6 +100,21 @@ pub(super) fn save(path: &Path, bytes: &[u8]) -> Result<(), Stop> {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
     write_atomic(&dir, &name, |out| out.write_all(bytes)).map(|_| ()).map_err(cannot)
+}
+
+/// Writes a line to standard error; a reader that has gone away stops nothing.
+pub(super) fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Refuses to write over an input, whatever else the user said.
+pub(super) fn spare_inputs(path: &Path, inputs: &[PathBuf]) -> Result<(), Stop> {
+    let real = path.canonicalize().ok();
+    let is_input = real.is_some_and(|p| inputs.iter().any(|i| i.canonicalize().is_ok_and(|i| i == p)));
+    if is_input {
+        return Err(Stop::usage(format!("{} is an input and is never overwritten", path.display())));
+    }
+    Ok(())
 }
 
 /// Writes to standard output; a reader that has gone away is no error.

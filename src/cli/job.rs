@@ -29,6 +29,7 @@ pub(super) struct Job {
     format: Option<Format>,
     range: Option<[f64; 2]>,
     quantity: Quantity,
+    channels: usize,
 }
 
 /// What was written.
@@ -54,6 +55,7 @@ pub(super) fn jobs(
                 range: output.range,
                 output: output.clone(),
                 quantity: Quantity::Number,
+                channels: 1,
             }),
             Err(problem) => broken.push((name.to_owned(), problem)),
         }
@@ -70,6 +72,7 @@ impl Job {
     /// Chooses the format by what the output is, where nothing else chose it.
     pub(super) fn settle(&mut self, value: &Value) {
         self.quantity = value.quantity();
+        self.channels = (value.wire_type().sample_bytes() / 4) as usize;
         let by_target = self.target.filter(|_| value.quantity() == Quantity::Elevation).map(Target::format);
         let by_quantity = match value.quantity() {
             Quantity::Color => Format::Png8,
@@ -116,7 +119,8 @@ impl Job {
     /// The names of the files it will write for a tile.
     pub(super) fn files(&self, tile: &Tile, many: bool) -> Vec<String> {
         let file = self.file(tile, many);
-        vec![sidecar_name(&file), file]
+        let sidecar = self.format().has_sidecar(self.channels).then(|| sidecar_name(&file));
+        sidecar.into_iter().chain([file]).collect()
     }
 
     /// Writes the value of a tile, whole or not at all.
@@ -133,7 +137,7 @@ impl Job {
         let job = WriteJob {
             range: self.range,
             clip: self.output.clip,
-            flip: self.output.flip,
+            flip: self.output.flip || self.target.is_some_and(Target::flip),
             target: self.target,
             tile: many.then_some(tile.place),
             ..WriteJob::new(value, self.format(), terrain, *whole)

@@ -84,7 +84,7 @@ pub fn main() -> ExitCode {
     match run(cli, &cancel) {
         Ok(exit) => exit.into(),
         Err(stop) => {
-            eprintln!("error: {}", stop.message);
+            exit::tell(&format!("error: {}", stop.message));
             stop.exit.into()
         }
     }

@@ -23,7 +23,8 @@ pub(super) struct Opened {
 /// Reads the file alone.
 pub(super) fn load(path: &Path, registry: &Registry) -> Result<Graph, Stop> {
     Graph::open(path, registry).map_err(|e| {
-        let exit = if matches!(e, LoadError::Read(_)) { Exit::Input } else { Exit::Graph };
+        let exit =
+            if matches!(e, LoadError::Read(_) | LoadError::NotAFile) { Exit::Input } else { Exit::Graph };
         Stop::new(exit, format!("{e}: {}", path.display()))
     })
 }
@@ -71,10 +72,11 @@ pub(super) fn open(args: &GraphArgs, registry: &Registry) -> Result<Opened, Stop
 fn variables_of(path: &Path) -> Result<serde_json::Map<String, Json>, Stop> {
     let unreadable =
         |e: &dyn std::fmt::Display| Stop::new(Exit::Input, format!("--vars: {e}: {}", path.display()));
-    let text = std::fs::read(path).map_err(|e| unreadable(&e))?;
-    match serde_json::from_slice(&text).map_err(|e| unreadable(&e))? {
+    let text = std::fs::read_to_string(path).map_err(|e| unreadable(&e))?;
+    let wrong = |e: &dyn std::fmt::Display| Stop::usage(format!("--vars: {e}: {}", path.display()));
+    match crate::graph::strict_json(&text).map_err(|e| wrong(&e))? {
         Json::Object(map) => Ok(map),
-        _ => Err(unreadable(&"must hold a JSON object of names and values")),
+        _ => Err(wrong(&"must hold a JSON object of names and values")),
     }
 }
 
@@ -90,6 +92,13 @@ fn assign(graph: &mut Graph, files: &mut Files, name: &str, text: &str) -> Resul
         requests(graph).filter(beside).for_each(|r| files.allow_file(Path::new(&r.name)));
     }
     Ok(())
+}
+
+/// The files that are read: the graph, the variables, and what the nodes name, as far as it lies where they say.
+pub(super) fn inputs(args: &GraphArgs, graph: &Graph) -> Vec<PathBuf> {
+    let folder = args.graph.parent().unwrap_or(Path::new("."));
+    let sources = requests(graph).map(|f| folder.join(f.name));
+    [args.graph.clone()].into_iter().chain(args.vars.clone()).chain(sources).collect()
 }
 
 /// The files that the nodes of a graph ask for.

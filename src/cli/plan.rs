@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::args::{EngineArgs, GraphArgs, GridArgs};
-use super::exit::{Exit, Stop, print};
+use super::exit::{Exit, Stop, print, tell};
 use super::open::{self, Opened};
 use crate::engine::{Engine, Plan, Want, bytes};
 use crate::graph::Graph;
@@ -59,7 +59,7 @@ pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
     let text = if args.json { json_of(&plan, &names, &window) } else { table(&plan, &names, &window) };
     print(&text)?;
     for line in warnings(&plan, &names, &window) {
-        eprintln!("warning: {line}");
+        tell(&format!("warning: {line}"));
     }
     engine.admit(&plan)?;
     Ok(Exit::Done)

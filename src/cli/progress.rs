@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
+use super::exit::tell;
 use crate::engine::{Observer, Plan, PlannedTask};
 
 /// How progress is shown.
@@ -57,7 +58,7 @@ impl Progress {
 
     /// Says something above the bar.
     pub(super) fn say(&self, message: &str) {
-        self.bar.suspend(|| eprintln!("{message}"));
+        self.bar.suspend(|| tell(message));
     }
 
     pub(super) fn end(&self) {
@@ -90,7 +91,7 @@ impl Progress {
         if let (Some(line), Some(rest)) = (line.as_object_mut(), rest.as_object()) {
             line.extend(rest.clone());
         }
-        eprintln!("{line}");
+        tell(&line.to_string());
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 
 use super::args::{EngineArgs, GraphArgs, GridArgs};
-use super::exit::{Exit, Stop, save};
+use super::exit::{Exit, Stop, save, spare_inputs, tell};
 use super::info::is_graph;
 use super::open::{self, Opened};
 use super::plan::{chosen, want};
@@ -105,14 +105,22 @@ struct Subject {
     height: Field,
     color: Option<Colors>,
     sea_level: Option<f64>,
+    /// Whether the colours are all there is to see.
+    flat: bool,
 }
 
 pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
+    if !args.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return Err(Stop::usage(format!(
+            "-o {}: a picture is written as PNG; end it in .png",
+            args.out.display()
+        )));
+    }
     let progress = Progress::new(args.progress);
     let subject = if is_graph(&args.graph.graph) {
         from_graph(args, registry, &progress, cancel)
     } else {
-        from_file(args)
+        spare_inputs(&args.out, std::slice::from_ref(&args.graph.graph)).and_then(|()| from_file(args))
     };
     let picture = subject.and_then(|s| draw(args, &s, cancel));
     progress.end();
@@ -128,6 +136,7 @@ fn from_graph(
     cancel: &Cancel,
 ) -> Result<Subject, Stop> {
     let Opened { graph, files, problems, .. } = open::open(&args.graph, registry)?;
+    spare_inputs(&args.out, &open::inputs(&args.graph, &graph))?;
     problems.iter().filter(|p| p.is_error()).for_each(|p| progress.say(&format!("error: {p}")));
     let (_, window) = args.grid.grids(graph.terrain())?;
     let wanted = |name: &String| want(&graph, name, window).map_err(|e| Stop::new(Exit::Graph, e));
@@ -152,19 +161,36 @@ fn from_graph(
 fn subject(sea: f64, values: Vec<Result<Value, SharedFailure>>) -> Result<Subject, Stop> {
     let mut values = values.into_iter();
     let mut next = || values.next().map(|v| v.map_err(|f| Stop::new(Exit::of(&f), f))).transpose();
-    let height = match next()? {
-        Some(Value::Field(f)) => f,
-        _ => return Err(Stop::usage("--output must name an output that is a field")),
-    };
+    let first = next()?;
     let color = match next()? {
         Some(Value::Colors(c)) => Some(c),
         None => None,
         _ => return Err(Stop::usage("--color must name an output that is colours")),
     };
-    // A terrain that stays above the sea is drawn without one; a mask or an angle has no sea at all.
-    let wet =
-        height.quantity() == Quantity::Elevation && height.range().is_some_and(|(lo, _)| f64::from(lo) < sea);
-    Ok(Subject { height, color, sea_level: wet.then_some(sea) })
+    match first {
+        Some(Value::Field(height)) if height.quantity() == Quantity::Elevation => {
+            // A terrain that stays above the sea is drawn without one.
+            let wet = height.range().is_some_and(|(lo, _)| f64::from(lo) < sea);
+            Ok(Subject { height, color, sea_level: wet.then_some(sea), flat: false })
+        }
+        Some(Value::Field(values)) => Ok(flat(color.unwrap_or_else(|| greys(&values)))),
+        Some(Value::Colors(colors)) => Ok(flat(color.unwrap_or(colors))),
+        _ => Err(Stop::usage("--output must name an output that is a field or colours")),
+    }
+}
+
+/// What has no height is drawn as it is, on a plain.
+fn flat(color: Colors) -> Subject {
+    let height = Field::constant(*color.grid(), Quantity::Elevation, 0.0);
+    Subject { height, color: Some(color), sea_level: None, flat: true }
+}
+
+/// Masks from black to white, other values from their lowest to their highest.
+fn greys(values: &Field) -> Colors {
+    let own = if values.quantity() == Quantity::Mask { Some((0.0, 1.0)) } else { values.range() };
+    let (lo, hi) = own.filter(|(lo, hi)| hi > lo).unwrap_or((0.0, 1.0));
+    let grey = |v: &f32| [((v - lo) / (hi - lo)).clamp(0.0, 1.0); 3];
+    Colors::new(*values.grid(), Quantity::Color, values.data().iter().map(grey).collect())
 }
 
 fn from_file(args: &Args) -> Result<Subject, Stop> {
@@ -181,11 +207,18 @@ fn from_file(args: &Args) -> Result<Subject, Stop> {
     }
     // Cells that are not square, as those of degrees, are drawn by their mean.
     let own = file.placement.cell.map(|[x, y]| (x * y).sqrt());
-    let cell = args.cell.or(own).unwrap_or(1.0);
+    let cell = args.cell.or(own).unwrap_or_else(|| {
+        tell("note: the file does not say how far apart its samples are; drawn 1 m apart, --cell says otherwise");
+        1.0
+    });
+    if !file.metres && args.height_scale == 1.0 {
+        tell("note: the file holds plain numbers; drawn as metres, --height-scale says otherwise");
+    }
     let intervals = (file.cols.max(file.rows) - 1).max(1) as u32;
     let lattice = Lattice { origin: [0.0, 0.0], span: cell * f64::from(intervals), intervals };
     let grid = Grid { lattice, col: 0, row: 0, cols: file.cols, rows: file.rows };
-    Ok(Subject { height: Field::new(grid, Quantity::Elevation, file.data), color: None, sea_level: None })
+    let height = Field::new(grid, Quantity::Elevation, file.data);
+    Ok(Subject { height, color: None, sea_level: None, flat: false })
 }
 
 fn draw(args: &Args, subject: &Subject, cancel: &Cancel) -> Result<Picture, Stop> {
@@ -199,7 +232,8 @@ fn draw(args: &Args, subject: &Subject, cancel: &Cancel) -> Result<Picture, Stop
     if let Some(name) = &args.palette {
         scene.palette = Palette::named(name).ok_or_else(|| {
             let names: Vec<_> = Palette::names().collect();
-            Stop::usage(format!("--palette must be one of {}, got `{name}`", names.join(", ")))
+            let hint = crate::params::did_you_mean(name, names.iter().copied());
+            Stop::usage(format!("--palette must be one of {}, got `{name}`{hint}", names.join(", ")))
         })?;
     }
     if let Some(text) = &args.sun {
@@ -211,6 +245,10 @@ fn draw(args: &Args, subject: &Subject, cancel: &Cancel) -> Result<Picture, Stop
     scene.haze = args.haze;
     scene.exposure = args.exposure;
     scene.contours = args.contours;
+    if subject.flat {
+        scene.sun.altitude = 90.0;
+        scene.shadow = 0.0;
+    }
     let watch = Watch::quiet(cancel);
     let drawn = match args.view {
         View::Map => {

@@ -5,8 +5,11 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value as Json, json};
 
-use super::exit::{Exit, Stop, save};
+use super::exit::{Exit, Stop, print, save};
 use crate::engine::TaskReport;
+
+/// The path that stands for standard output.
+pub(super) const STDOUT: &str = "-";
 
 /// Collects what a build did.
 pub(super) struct Report {
@@ -35,6 +38,9 @@ struct NodeTotal {
 impl Report {
     /// Starts a report; one that an earlier build left is removed, so that no report speaks of files that are no more.
     pub(super) fn start(path: &Path, head: Map<String, Json>) -> Result<Self, Stop> {
+        if path == Path::new(STDOUT) {
+            return Ok(Self::empty(path, head));
+        }
         match std::fs::remove_file(path) {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
                 return Err(Stop::new(
@@ -44,7 +50,11 @@ impl Report {
             }
             _ => (),
         }
-        Ok(Self {
+        Ok(Self::empty(path, head))
+    }
+
+    fn empty(path: &Path, head: Map<String, Json>) -> Self {
+        Self {
             path: path.to_owned(),
             started: std::time::Instant::now(),
             head,
@@ -54,7 +64,7 @@ impl Report {
             nodes: BTreeMap::new(),
             peak_bytes: 0,
             planned_bytes: 0,
-        })
+        }
     }
 
     pub(super) fn output(&mut self, output: Json) {
@@ -107,6 +117,9 @@ impl Report {
         report.insert("failures".into(), Json::from(self.failures));
         report.insert("nodes".into(), Json::from(nodes));
         let text = format!("{:#}\n", Json::from(report));
+        if self.path == Path::new(STDOUT) {
+            return print(&text).map(|_| ());
+        }
         save(&self.path, text.as_bytes())
     }
 }

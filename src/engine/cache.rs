@@ -55,7 +55,8 @@ impl Found {
     pub(super) fn bytes(&self) -> Option<u64> {
         match self {
             Self::Memory(given) => Some(given.bytes()),
-            Self::Disk(_) => None,
+            // The samples and a little: the window of the file may be wider than the one that is wanted.
+            Self::Disk(path) => Some(std::fs::metadata(path).ok()?.len()),
         }
     }
 }
@@ -96,7 +97,7 @@ impl Store {
         if let Some(given) = self.memory().get(key, grid) {
             return Some(Found::Memory(given));
         }
-        self.disk.as_ref()?.find(&key.window(grid)).map(Found::Disk)
+        self.disk.as_ref()?.find(key, grid).map(Found::Disk)
     }
 
     /// Keeps a result; in memory as long as there is room.

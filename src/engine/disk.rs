@@ -1,4 +1,4 @@
-//! The cache folder: one file a result, named by its key, whole or not there, checked when read.
+//! The cache folder: a folder for each key, in it a file for each window, whole or not there, checked when read.
 //!
 //! A file is a line of magic, a JSON header with its length, the samples, and the BLAKE3 of all before it. Files are
 //! written beside their place and renamed into it, so that many processes may share the folder; one that is damaged
@@ -55,24 +55,36 @@ impl Disk {
         Ok(disk)
     }
 
-    fn path(&self, key: &Key) -> PathBuf {
+    /// The folder of all windows of a key.
+    fn windows(&self, key: &Key) -> PathBuf {
         let name = key.to_string();
         self.folder.join(&name[..2]).join(&name[2..])
     }
 
-    pub(super) fn find(&self, key: &Key) -> Option<PathBuf> {
-        let path = self.path(key);
-        path.is_file().then_some(path)
+    /// A file whose window holds the wanted one: consumers that are cached themselves ask for nothing, so the same
+    /// graph may ask for less another time.
+    pub(super) fn find(&self, key: &Key, grid: &Grid) -> Option<PathBuf> {
+        let folder = self.windows(key);
+        let exact = folder.join(name_of(grid));
+        if exact.is_file() {
+            return Some(exact);
+        }
+        let files = fs::read_dir(folder).ok()?.flatten();
+        let mut wider: Vec<_> = files
+            .filter_map(|f| Some((window_of(f.file_name().to_str()?, grid.lattice)?, f.path())))
+            .filter(|(window, _)| window.contains(grid))
+            .collect();
+        wider.sort_by_key(|(window, _)| (window.len(), window.row, window.col));
+        wider.into_iter().next().map(|(_, path)| path)
     }
 
     /// Writes a result; a failure to write is not one of the evaluation.
-    pub(super) fn put(&self, key: &Key, given: &Given) -> io::Result<()> {
-        let path = self.path(key);
-        let folder = path.parent().unwrap_or(&self.folder);
-        fs::create_dir_all(folder)?;
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    pub(super) fn put(&self, key: &Key, grid: &Grid, given: &Given) -> io::Result<()> {
+        let folder = self.windows(key);
+        fs::create_dir_all(&folder)?;
+        let mut file = tempfile::NamedTempFile::new_in(&folder)?;
         write(&mut file, given)?;
-        file.persist(&path).map_err(|e| e.error)?;
+        file.persist(folder.join(name_of(grid))).map_err(|e| e.error)?;
         Ok(())
     }
 
@@ -92,8 +104,9 @@ impl Disk {
     /// Removes the files that were not used for longest until the rest fits.
     fn trim(&self, limit: u64) -> io::Result<()> {
         let mut files = Vec::new();
-        for folder in fs::read_dir(&self.folder)?.flatten() {
-            let Ok(entries) = fs::read_dir(folder.path()) else { continue };
+        let below = |path: PathBuf| fs::read_dir(path).into_iter().flatten().flatten().map(|e| e.path());
+        for folder in below(self.folder.clone()).flat_map(below) {
+            let Ok(entries) = fs::read_dir(folder) else { continue };
             files.extend(entries.flatten().filter_map(|e| {
                 let meta = e.metadata().ok()?;
                 Some((meta.modified().ok()?, meta.len(), e.path()))
@@ -111,6 +124,20 @@ impl Disk {
         }
         Ok(())
     }
+}
+
+/// The name of the file of a window.
+fn name_of(grid: &Grid) -> String {
+    format!("{}_{}_{}_{}", grid.col, grid.row, grid.cols, grid.rows)
+}
+
+/// The window that a file is named for.
+fn window_of(name: &str, lattice: Lattice) -> Option<Grid> {
+    let mut numbers = name.split('_');
+    let mut next = || numbers.next();
+    let (col, row) = (next()?.parse().ok()?, next()?.parse().ok()?);
+    let (cols, rows) = (next()?.parse().ok()?, next()?.parse().ok()?);
+    next().is_none().then_some(Grid { lattice, col, row, cols, rows })
 }
 
 fn header(given: &Given) -> (Header, Vec<&[u8]>) {

@@ -52,13 +52,15 @@ pub type SharedFailure = Arc<Failure>;
 pub enum EngineError {
     /// It would need more memory than it may use.
     #[error(
-        "the evaluation needs about {} and may use {} beside the program and its writers: {at} is the peak. Build a smaller --size, in tiles \
-         (--tile-size), or raise --memory",
-        bytes(*need), bytes(*budget)
+        "the evaluation needs about {}, {} of them for the program and its writers, and may use {}: {at} is the peak. \
+         Build a smaller --size, in tiles (--tile-size), or raise --memory",
+        bytes(*need), bytes(*reserve), bytes(*budget)
     )]
     Memory {
-        /// Estimated peak, in bytes.
+        /// Estimated peak, in bytes, with the reserve.
         need: u64,
+        /// What is set aside for all but the evaluation, in bytes.
+        reserve: u64,
         /// The budget, in bytes.
         budget: u64,
         /// The node at the peak.
@@ -66,7 +68,7 @@ pub enum EngineError {
     },
     /// It would take longer than it may.
     #[error(
-        "the evaluation would take about {need:.0} s and may take {budget:.0} s; build a smaller --size or raise --time"
+        "the evaluation would take about {need:.2} s and may take {budget:.2} s; build a smaller --size or raise --time"
     )]
     Time {
         /// Estimated seconds.

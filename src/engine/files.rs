@@ -63,23 +63,31 @@ impl Files {
                 Ok(file) => found.push(file),
                 Err(Refusal::Absent) if request.optional => (),
                 Err(refusal) => {
-                    return Err(Error::File { file: request.name.clone(), message: refusal.to_string() });
+                    return Err(refusal.of(request));
                 }
             }
         }
         Ok(found)
     }
 
+    /// Looks whether the files that a node asks for could be read, without reading them.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn look(&self, requests: &[FileRequest]) -> Result<(), Error> {
+        for request in requests {
+            match self.open(&request.name).and_then(|file| regular(&file)) {
+                Ok(_) => (),
+                Err(Refusal::Absent) if request.optional => (),
+                Err(refusal) => return Err(refusal.of(request)),
+            }
+        }
+        Ok(())
+    }
+
     fn one(&self, name: &str) -> Result<Arc<SourceFile>, Refusal> {
         let mut file = self.open(name)?;
-        let meta = file.metadata().map_err(|e| Refusal::Unreadable(e.to_string()))?;
-        if !meta.is_file() {
-            return Err(Refusal::NotRegular);
-        }
-        if meta.len() > MAX_BYTES {
-            return Err(Refusal::TooLarge(meta.len()));
-        }
-        let stamp = Stamp { bytes: meta.len(), modified: meta.modified().ok().map(|t| t.into_std()) };
+        let stamp = regular(&file)?;
         let known = self.read.lock().unwrap_or_else(PoisonError::into_inner).get(name).cloned();
         if let Some((old, source)) = known
             && old == stamp
@@ -122,6 +130,18 @@ impl Files {
         }
         Err(last)
     }
+}
+
+/// The stamp of an open file, which must be a regular one of a fair size.
+fn regular(file: &cap_std::fs::File) -> Result<Stamp, Refusal> {
+    let meta = file.metadata().map_err(|e| Refusal::Unreadable(e.to_string()))?;
+    if !meta.is_file() {
+        return Err(Refusal::NotRegular);
+    }
+    if meta.len() > MAX_BYTES {
+        return Err(Refusal::TooLarge(meta.len()));
+    }
+    Ok(Stamp { bytes: meta.len(), modified: meta.modified().ok().map(|t| t.into_std()) })
 }
 
 /// Opens below a directory handle; a link that leads out of it is refused by the handle.
@@ -183,6 +203,13 @@ enum Refusal {
     TooLarge(u64),
     #[error("cannot be read: {0}")]
     Unreadable(String),
+}
+
+impl Refusal {
+    fn of(self, request: &FileRequest) -> Error {
+        let FileRequest { parameter, name, .. } = request;
+        Error::File { parameter, file: name.clone(), message: self.to_string() }
+    }
 }
 
 impl From<std::io::Error> for Refusal {

@@ -9,7 +9,7 @@ use std::fmt;
 use serde_json::Value as Json;
 
 use crate::node::{AnyNode, Kind, Reach, Reads, SourceFile};
-use crate::value::{Grid, Lattice, Terrain};
+use crate::value::{Lattice, Terrain};
 
 /// A content hash.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -137,14 +137,6 @@ impl Key {
         let mut h = Hasher::new(stage);
         h.part(&self.0);
         h.lattice(lattice);
-        h.finish()
-    }
-
-    /// The key of a result on one window, for the disk.
-    pub(super) fn window(&self, grid: &Grid) -> Self {
-        let mut h = Hasher::new("window");
-        h.part(&self.0);
-        [grid.col, grid.row, grid.cols as i64, grid.rows as i64].into_iter().for_each(|v| h.integer(v));
         h.finish()
     }
 }

@@ -47,6 +47,8 @@ pub struct Options {
     pub threads: usize,
     /// Bytes of memory.
     pub memory: u64,
+    /// Bytes of them that are not for evaluations: the program itself, and what it does with the values.
+    pub reserve: u64,
     /// Estimated seconds of one evaluation.
     pub seconds: f64,
     /// Folder of results that outlive the process.
@@ -60,6 +62,7 @@ impl Default for Options {
         Self {
             threads: 0,
             memory: default_budget(),
+            reserve: 0,
             seconds: DEFAULT_SECONDS,
             cache: None,
             cache_bytes: DEFAULT_CACHE_BYTES,
@@ -100,6 +103,7 @@ pub struct Engine {
     store: Store,
     files: Files,
     memory: u64,
+    reserve: u64,
     seconds: f64,
 }
 
@@ -114,8 +118,9 @@ impl Engine {
         let open = |folder: &PathBuf| disk::Disk::open(folder, options.cache_bytes);
         let disk =
             options.cache.as_ref().map(open).transpose().map_err(|e| EngineError::Cache(e.to_string()))?;
-        let store = Store::new(options.memory, disk);
-        Ok(Self { pool, store, files, memory: options.memory, seconds: options.seconds })
+        let (memory, reserve, seconds) = (options.memory, options.reserve, options.seconds);
+        let store = Store::new(memory.saturating_sub(reserve), disk);
+        Ok(Self { pool, store, files, memory, reserve, seconds })
     }
 
     /// The pool on which nodes run, for work that goes with an evaluation.
@@ -152,9 +157,10 @@ impl Engine {
     /// # Errors
     /// Names the budget, the estimate and where its peak is.
     pub fn admit(&self, plan: &Plan) -> Result<(), EngineError> {
-        let need = plan.peak_bytes();
+        let need = plan.peak_bytes().saturating_add(self.reserve);
         if need > self.memory {
-            return Err(EngineError::Memory { need, budget: self.memory, at: plan.peak_node() });
+            let (reserve, budget, at) = (self.reserve, self.memory, plan.peak_node());
+            return Err(EngineError::Memory { need, reserve, budget, at });
         }
         let need = plan.seconds() / self.pool.current_num_threads() as f64;
         if need > self.seconds {
@@ -178,7 +184,7 @@ impl Engine {
             let plan = self.plan(graph, wants);
             self.admit(&plan)?;
             observer.planned(&plan);
-            let spare = self.memory - plan.peak_bytes();
+            let spare = self.memory - self.reserve - plan.peak_bytes();
             // Half of what the tasks leave is for running ahead, half for keeping results.
             self.store.limit(spare / 2);
             let threads = self.pool.current_num_threads();

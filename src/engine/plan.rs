@@ -231,7 +231,7 @@ impl Plan {
 
     /// Estimated seconds on one core.
     pub fn seconds(&self) -> f64 {
-        self.tasks.iter().filter(|t| t.found.is_none()).map(|t| t.cost.seconds).sum()
+        self.tasks.iter().filter(|t| t.found.is_none()).map(|t| t.cost.seconds).fold(0.0, |a, b| a + b)
     }
 
     /// The tasks in the order in which they run on one core.

@@ -293,7 +293,7 @@ impl Runner<'_> {
         self.store.keep(task.key, task.grid, &given);
         if let Some(disk) = &self.store.disk {
             // A full disk costs the next process time, not this one its result.
-            let _ = disk.put(&task.key.window(&task.grid), &given);
+            let _ = disk.put(&task.key, &task.grid, &given);
         }
         Ok(Arc::new(given))
     }

@@ -161,8 +161,7 @@ fn piece(text: &[u8], nodata: Option<f64>) -> Result<Vec<f32>, Fault> {
         let (number, after) = word(rest);
         let v: f32 =
             parse(number).ok_or_else(|| Fault::Damaged(format!("{} is no number", brief(number))))?;
-        let void = !v.is_finite() || nodata == Some(v) || v.abs() > 1e30;
-        out.push(if void { f32::NAN } else { v });
+        out.push(if nodata == Some(v) { f32::NAN } else { v });
         rest = after.trim_ascii_start();
     }
     Ok(out)

@@ -58,6 +58,14 @@ pub fn write_atomic<T, E: From<io::Error>>(
     Ok((stamp, result))
 }
 
+/// The name that a file under a passing name is meant to get; `None` for any other file.
+pub fn passing_name_of(name: &str) -> Option<&str> {
+    let (file, number) = name.strip_prefix('.')?.strip_suffix(".part")?.rsplit_once('.')?;
+    let (process, count) = number.split_once('-')?;
+    let digits = |s: &str| !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit());
+    (digits(process) && digits(count)).then_some(file)
+}
+
 fn open<'a>(dir: &'a Dir, name: &str) -> io::Result<(Passing<'a>, File)> {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     loop {
@@ -129,6 +137,16 @@ mod tests {
         };
         write_atomic(&dir, "a.txt", fail).expect_err("fails");
         assert_eq!((dir.read_to_string("a.txt").expect("reads"), names(&dir).len()), ("old".to_owned(), 1));
+    }
+
+    #[test]
+    fn knows_its_passing_names() {
+        let (_temp, dir) = folder();
+        let (passing, _) = open(&dir, "a.b.tif").expect("opens");
+        assert_eq!(passing_name_of(&passing.name), Some("a.b.tif"));
+        for other in ["a.tif", ".a.part", ".a.1.part", ".a.1-x.part", "a.1-2.part"] {
+            assert_eq!(passing_name_of(other), None, "{other}");
+        }
     }
 
     #[test]

@@ -88,6 +88,12 @@ impl Format {
         }
     }
 
+    /// Whether a JSON sidecar goes with it, for what the file itself cannot say: place, unit, range. TIFF of floats
+    /// and `.asc` say it themselves; pictures of colours need none.
+    pub fn has_sidecar(self, channels: usize) -> bool {
+        channels == 1 && !matches!(self, Self::Tiff | Self::Asc)
+    }
+
     /// Whether it takes values of some components: fields have one, vectors two, colours three.
     pub fn takes(self, channels: usize) -> bool {
         match self {

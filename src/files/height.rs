@@ -1,5 +1,6 @@
 //! A height file in memory, and which reader reads it.
 
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +25,9 @@ impl Default for Limits {
         Self { samples: 1 << 30, side: 1 << 18 }
     }
 }
+
+/// Numbers beyond it mark voids in many files; no height is near it.
+const FARTHEST: f32 = 1e30;
 
 /// More than any compression of heights in use can squeeze out of a byte; deflate reaches 1032.
 const MOST_COMPRESSED: u64 = 4096;
@@ -193,7 +197,7 @@ fn read(
         return Err(Fault::Magic { named: source.name(), found });
     }
     let sidecar = sidecar.map(Sidecar::parse).transpose()?.unwrap_or_default();
-    match source {
+    let mut file = match source {
         Source::Png => png::read(bytes, &sidecar, limits, encoding),
         Source::Tiff => tiff::read(bytes, limits),
         Source::Exr => exr::read(bytes, &sidecar, limits),
@@ -201,5 +205,11 @@ fn read(
         Source::R32 => raw::read_r32(bytes, &sidecar, limits),
         Source::Asc => asc::read(bytes, limits),
         Source::Hgt => hgt::read(name, bytes, limits),
-    }
+    }?;
+    // One rule for all formats, on the numbers as they are kept: what is read once reads the same again.
+    let is_height = |v: &f32| v.abs() <= FARTHEST;
+    file.data.par_chunks_mut(1 << 16).for_each(|chunk| {
+        chunk.iter_mut().filter(|v| !is_height(v)).for_each(|v| *v = f32::NAN);
+    });
+    Ok(file)
 }

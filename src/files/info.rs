@@ -97,6 +97,22 @@ impl Info {
     }
 }
 
+/// Intervals along the longer side that a suggested extent divides: those of a base grid of 1025.
+const INTERVALS: f64 = 1024.0;
+/// The shorter side has a multiple of so many of them, so that 257, 513, 1025, 2049 … all fit.
+const STEP: f64 = 4.0;
+
+impl Info {
+    /// Width and depth of a terrain that the file fits, in metres: its extent, the shorter side rounded to what sizes
+    /// of 257, 513, 1025 … divide, which stretches the file by 0.2 % of its longer side at most.
+    pub fn terrain(&self) -> Option<[f64; 2]> {
+        let [width, depth] = self.extent.filter(|e| e.iter().all(|v| v.is_finite() && *v > 0.0))?;
+        let unit = width.max(depth) * STEP / INTERVALS;
+        let fit = |side: f64| (side / unit).round().max(1.0) * unit;
+        Some(if width >= depth { [width, fit(depth)] } else { [fit(width), depth] })
+    }
+}
+
 impl fmt::Display for Info {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { file, format, sample, cols, rows, .. } = self;
@@ -114,6 +130,9 @@ impl fmt::Display for Info {
             (Some([dx, dy]), Some([x, y])) => {
                 writeln!(f, "  cell      {dx:.4} x {dy:.4} m on the ground")?;
                 writeln!(f, "  extent    {x:.1} x {y:.1} m")?;
+                if let Some([width, depth]) = self.terrain() {
+                    writeln!(f, "  terrain   --set width={width} --set depth={depth} (base 1025)")?;
+                }
             }
             _ => writeln!(f, "  cell      not known")?,
         }

@@ -34,7 +34,7 @@ mod voids;
 mod write;
 
 pub use apart::apart;
-pub use atomic::{Stamp, write_atomic};
+pub use atomic::{Stamp, passing_name_of, write_atomic};
 pub use error::{Fault, ReadError, WriteError};
 pub use format::{Format, Source};
 pub use height::{Encoding, HeightFile, Limits, Origin, claimed_size, read_height, read_height_as};

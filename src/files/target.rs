@@ -51,6 +51,15 @@ impl Target {
         }
     }
 
+    /// Whether it can open a format.
+    pub fn takes(self, format: Format) -> bool {
+        match self {
+            Self::Unreal => matches!(format, Format::Png16 | Format::R16),
+            Self::Unity => format == Format::R16,
+            Self::Godot => matches!(format, Format::Exr | Format::R16 | Format::Png8 | Format::Png16),
+        }
+    }
+
     /// Whether it wants the southernmost row first.
     pub fn flip(self) -> bool {
         self == Self::Unity
@@ -124,19 +133,26 @@ fn short(v: f64) -> String {
     if text == "-0" { "0".into() } else { text.into() }
 }
 
-/// What an engine will not like about a size, as sentences; none when it takes it as it is.
-pub fn target_warnings(target: Target, cols: usize, rows: usize) -> Vec<String> {
+/// What an engine will not like about a file, as sentences; none when it takes it as it is.
+pub fn target_warnings(target: Target, format: Format, cols: usize, rows: usize) -> Vec<String> {
+    let unfit = format!("{} cannot open {format}; it takes {}", target.name(), target.format());
+    let unfit = (!target.takes(format)).then_some(unfit);
+    unfit.into_iter().chain(size_warning(target, cols, rows)).collect()
+}
+
+/// What an engine will not like about a size.
+fn size_warning(target: Target, cols: usize, rows: usize) -> Option<String> {
     let list = |sides: &[usize]| sides.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
     match target {
-        Target::Unreal if [cols, rows].iter().any(|n| !UNREAL_SIDES.contains(n)) => vec![format!(
+        Target::Unreal if [cols, rows].iter().any(|n| !UNREAL_SIDES.contains(n)) => Some(format!(
             "Unreal will not take {cols} x {rows} samples as they are; it takes sides of {}",
             list(&UNREAL_SIDES)
-        )],
-        Target::Unity if cols != rows || !UNITY_SIDES.contains(&cols) => vec![format!(
+        )),
+        Target::Unity if cols != rows || !UNITY_SIDES.contains(&cols) => Some(format!(
             "Unity will not take {cols} x {rows} samples as they are; it takes squares with sides of {}",
             list(&UNITY_SIDES)
-        )],
-        Target::Unreal | Target::Unity | Target::Godot => Vec::new(),
+        )),
+        Target::Unreal | Target::Unity | Target::Godot => None,
     }
 }
 
@@ -163,11 +179,12 @@ mod tests {
 
     #[test]
     fn sizes_that_will_not_do_are_named() {
-        assert!(target_warnings(Target::Unreal, 1009, 2017).is_empty());
-        assert!(target_warnings(Target::Unreal, 1025, 1025)[0].contains("1009"));
-        assert!(target_warnings(Target::Unity, 1025, 1025).is_empty());
-        assert!(target_warnings(Target::Unity, 1025, 513)[0].contains("squares"));
-        assert!(target_warnings(Target::Unity, 1009, 1009)[0].contains("1025"));
-        assert!(target_warnings(Target::Godot, 7, 9).is_empty());
+        assert!(target_warnings(Target::Unreal, Format::Png16, 1009, 2017).is_empty());
+        assert!(target_warnings(Target::Unreal, Format::Png16, 1025, 1025)[0].contains("1009"));
+        assert!(target_warnings(Target::Unity, Format::R16, 1025, 1025).is_empty());
+        assert!(target_warnings(Target::Unity, Format::R16, 1025, 513)[0].contains("squares"));
+        assert!(target_warnings(Target::Unity, Format::R16, 1009, 1009)[0].contains("1025"));
+        assert!(target_warnings(Target::Godot, Format::Exr, 7, 9).is_empty());
+        assert!(target_warnings(Target::Unreal, Format::Exr, 1009, 1009)[0].contains("png16"));
     }
 }

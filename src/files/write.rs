@@ -249,14 +249,14 @@ impl Sheet<'_> {
             Format::R32 => self.r32(out)?,
             Format::Asc => self.asc(out)?,
         };
-        if self.channels == 1 && (format.is_integer() || format == Format::R32) {
+        if format.has_sidecar(self.channels) {
             let sidecar = self.sidecar(format, written.range);
             // A struct of numbers and names turns into JSON without fail.
             written.sidecar = Some(serde_json::to_value(sidecar).unwrap_or_default());
         }
         if let Some(target) = self.target {
             let cell = self.placement.cell.map_or(1.0, |[x, _]| x);
-            written.notes.extend(target_warnings(target, self.cols, self.rows));
+            written.notes.extend(target_warnings(target, format, self.cols, self.rows));
             written.notes.extend(target.notes(written.range, cell, [self.cols, self.rows]));
         }
         Ok(written)
@@ -454,7 +454,8 @@ impl Sheet<'_> {
         bands::in_order(&Split::new(self.rows, self.cols * 9), &self.watch, make, |_, text| {
             out.write_all(&text)
         })?;
-        Ok(Written::default())
+        let lost = self.placement.epsg.map(|epsg| format!("an .asc cannot say that it lies in EPSG:{epsg}"));
+        Ok(Written { notes: lost.into_iter().collect(), ..Written::default() })
     }
 }
 

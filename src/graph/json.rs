@@ -18,7 +18,10 @@ const MAX_VALUES: usize = 1_000_000;
 pub(super) const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// Reads a text. Whole numbers become integers however they are written: JSON knows one kind of number.
-pub(super) fn read(text: &str) -> Result<Json, LoadError> {
+///
+/// # Errors
+/// What is wrong with the text, and where.
+pub fn read(text: &str) -> Result<Json, LoadError> {
     if text.trim_ascii().is_empty() {
         return Err(LoadError::Empty);
     }

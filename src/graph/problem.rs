@@ -4,6 +4,8 @@ use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::fmt;
 
+use serde::Serialize;
+
 use super::NodeId;
 use crate::params::did_you_mean;
 
@@ -17,7 +19,8 @@ pub enum Severity {
 }
 
 /// Where in a graph something is.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Place {
     /// The graph as a whole.
     Graph,

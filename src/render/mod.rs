@@ -82,7 +82,8 @@ impl Palette {
 
     /// Every name that [`named`](Self::named) takes.
     pub fn names() -> impl Iterator<Item = &'static str> {
-        ["satellite", "clay"].into_iter().chain(ramp::Palette::BUILTIN.map(|(name, _)| name))
+        let ramps = ramp::Palette::BUILTIN.into_iter().map(|(name, _)| name).filter(|n| *n != "satellite");
+        ["satellite", "clay"].into_iter().chain(ramps)
     }
 }
 

@@ -131,6 +131,96 @@ fn files_of_others_and_inputs_are_not_overwritten() {
 }
 
 #[test]
+fn reports_and_pictures_spare_inputs_and_files_of_others() {
+    let desk = Desk::new(&height());
+    let (graph, out) = (text(&desk.path("a.graph")), text(&desk.path("out")));
+    let before = sha256(&desk.path("a.graph"));
+    std::fs::write(desk.path("mine.txt"), "mine").unwrap();
+    std::fs::write(desk.path("vars.json"), r#"{"relief": 100}"#).unwrap();
+    let build = |report: &str| {
+        run(&["build", &graph, "-o", &out, "--report", report, "--vars", &text(&desk.path("vars.json"))])
+    };
+    for (report, words) in [
+        (graph.clone(), "never overwritten"),
+        (text(&desk.path("vars.json")), "never overwritten"),
+        (text(&desk.path("mine.txt")), "is no report"),
+        (text(&desk.path("out/height.r32")), "where the report goes"),
+    ] {
+        let refused = build(&report);
+        assert_eq!(code(&refused), 2, "{report}: {}", said(&refused));
+        assert!(said(&refused).contains(words), "{report}: {}", said(&refused));
+    }
+    assert_eq!(std::fs::read(desk.path("mine.txt")).unwrap(), b"mine");
+    let picture = run(&["render", &graph, "-o", &graph]);
+    assert_eq!(code(&picture), 2, "{}", said(&picture));
+    assert_eq!(sha256(&desk.path("a.graph")), before);
+    let own = text(&desk.path("r.json"));
+    assert_eq!((code(&build(&own)), code(&build(&own))), (0, 0), "a report gives way to the next");
+    let printed = build("-");
+    assert_eq!(serde_json::from_slice::<Json>(&printed.stdout).unwrap()["status"], "done");
+    // An output whose sidecar would be the report.
+    let desk = Desk::new(&json!({ "report": { "from": "soft.field", "format": "png16" } }));
+    let refused = desk.build(&[]);
+    assert_eq!(code(&refused), 2, "{}", said(&refused));
+    assert!(said(&refused).contains("where the report goes"), "{}", said(&refused));
+}
+
+#[test]
+fn a_build_does_not_mind_who_stops_listening() {
+    let desk = Desk::new(&height());
+    let (graph, out) = (text(&desk.path("a.graph")), text(&desk.path("out")));
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_orograph"))
+        .args(["build", &graph, "-o", &out, "--size", "257", "--progress", "json"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stderr.take());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    assert!(desk.path("out/height.r32").exists());
+}
+
+#[test]
+fn a_build_sweeps_what_dead_builds_left() {
+    let desk = Desk::new(&height());
+    assert_eq!(code(&desk.build(&[])), 0);
+    let old = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
+    for (name, age) in [
+        (".height.r32.1-0.part", old),
+        (".height.r32.2-0.part", std::time::SystemTime::now()),
+        (".theirs.txt.1-0.part", old),
+    ] {
+        let file = std::fs::File::create(desk.path("out").join(name)).unwrap();
+        file.set_modified(age).unwrap();
+    }
+    assert_eq!(code(&desk.build(&[])), 0);
+    assert!(!desk.path("out/.height.r32.1-0.part").exists(), "nobody has written it for an hour");
+    assert!(desk.path("out/.height.r32.2-0.part").exists(), "another build may be at it");
+    assert!(desk.path("out/.theirs.txt.1-0.part").exists(), "not the name of a file of this folder");
+}
+
+#[test]
+fn unity_gets_the_southernmost_row_first() {
+    let desk = Desk::new(&json!({
+        "height": { "from": "soft.field", "format": "r32" },
+        "for_unity": { "from": "soft.field", "target": "unity", "range": [-1000, 1000] },
+    }));
+    assert_eq!(code(&desk.build(&[])), 0);
+    let sidecar: Json =
+        serde_json::from_slice(&std::fs::read(desk.path("out/for_unity.json")).unwrap()).unwrap();
+    assert_eq!((&sidecar["rows_from"], &sidecar["format"]), (&json!("south"), &json!("r16")));
+    let heights = std::fs::read(desk.path("out/height.r32")).unwrap();
+    let heights: Vec<f32> = heights.chunks(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
+    let steps = std::fs::read(desk.path("out/for_unity.r16")).unwrap();
+    let steps: Vec<u16> = steps.chunks(2).map(|b| u16::from_le_bytes(b.try_into().unwrap())).collect();
+    for (row, line) in steps.chunks(129).rev().enumerate() {
+        for (step, height) in line.iter().zip(&heights[row * 129..]) {
+            let metres = f32::from(*step) / 65535.0 * 2000.0 - 1000.0;
+            assert!((metres - height).abs() < 0.02, "row {row}: {metres} and {height}");
+        }
+    }
+}
+
+#[test]
 fn exit_codes_tell_what_went_wrong() {
     let desk = Desk::new(&height());
     let graph = text(&desk.path("a.graph"));
@@ -157,7 +247,13 @@ fn exit_codes_tell_what_went_wrong() {
     expect(&["nodes", "blurr"], 2, "did you mean `blur`");
     std::fs::write(desk.path("bad.graph"), "{\"orograph\": 1, ").unwrap();
     expect(&["check", &text(&desk.path("bad.graph"))], 3, "cut off");
-    expect(&["check", &graph], 0, "0 errors");
+    expect(&["check", &graph], 4, "node `dem`, parameter `file`: there is no such file");
+    expect(&["build", &graph, "-o", &out, "--threads", "100000"], 2, "512");
+    expect(&["build", &graph, "-o", &out, "--seed", "-1"], 2, "--seed");
+    expect(&["render", &graph, "-o", &text(&desk.path("a.jpg"))], 2, ".png");
+    std::fs::write(desk.path("twice.json"), r#"{"relief": 100, "relief": 200}"#).unwrap();
+    expect(&["build", &graph, "-o", &out, "--vars", &text(&desk.path("twice.json"))], 2, "written twice");
+    expect(&["build", &text(&desk.path("")), "-o", &out], 4, "not a regular file");
     assert!(!desk.path("out/report.json").exists(), "nothing was built");
 }
 
@@ -353,7 +449,9 @@ fn the_other_commands_answer() {
     assert_eq!(code(&run(&["fmt", "--check", &graph])), 1);
     assert_eq!(code(&run(&["fmt", &graph])), 0);
     assert_eq!(code(&run(&["fmt", "--check", &graph])), 0);
-    assert_eq!(code(&run(&["check", &graph, "--json"])), 0);
+    let check = run(&["check", &graph, "--json"]);
+    let problems: Json = serde_json::from_slice(&check.stdout).unwrap();
+    assert_eq!(problems[0]["place"]["parameter"], json!({ "node": "dem", "parameter": "file" }));
     let picture = text(&desk.path("a.png"));
     for view in ["map", "perspective"] {
         let drawn =

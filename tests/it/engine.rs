@@ -292,7 +292,7 @@ fn over_a_budget_nothing_starts() {
     let e = Engine::new(&options, Files::default()).unwrap();
     let wants = [want(&g, "end", grid(&g, 2049))];
     match e.evaluate(&g, &wants, &Unobserved, &Cancel::default()) {
-        Err(EngineError::Memory { need, budget, at }) => {
+        Err(EngineError::Memory { need, budget, at, .. }) => {
             assert!(need > 30 << 20 && budget == 1 << 20, "{need}");
             assert!(at.starts_with("node `"), "{at}");
         }
@@ -383,6 +383,28 @@ fn a_cache_folder_starts_the_next_process_warm() {
     assert_eq!(ran(&warm), [""; 0]);
     assert_eq!(warm.tasks[0].cached, Some("disk"));
     assert_eq!(bits(&field(&cold, 0)), bits(&field(&warm, 0)));
+}
+
+#[test]
+fn a_cache_folder_serves_windows_that_are_part_of_what_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    // Both read `hills`, one of them further around: what `hills` is asked for hangs on which of them runs.
+    let wide_and_near = |radius: f64| {
+        graph(json!({
+            "hills": { "kind": "waves", "set": { "height": 200, "seed": 7 } },
+            "wide": { "kind": "smooth", "set": { "radius": 400 }, "in": { "field": "hills.field" } },
+            "near": { "kind": "smooth", "set": { "radius": radius }, "in": { "field": "hills.field" } },
+            "end": { "kind": "sum", "in": { "a": "wide.field", "b": "near.field" } },
+        }))
+    };
+    let first = wide_and_near(100.0);
+    let window = Grid { col: 20, row: 10, cols: 33, rows: 33, ..grid(&first, 129) };
+    evaluate(&with_cache(folder.path()), &first, "end", window);
+    let second = wide_and_near(150.0);
+    let warm = evaluate(&with_cache(folder.path()), &second, "end", window);
+    assert_eq!(ran(&warm), ["end", "near"]);
+    let cold = evaluate(&engine(2), &second, "end", window);
+    assert_eq!(bits(&field(&warm, 0)), bits(&field(&cold, 0)));
 }
 
 #[test]

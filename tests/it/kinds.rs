@@ -279,7 +279,7 @@ impl Node for Bytes {
         Reach::Point
     }
     fn files(&self) -> Vec<FileRequest> {
-        vec![FileRequest { name: self.file.0.clone(), optional: false }]
+        vec![FileRequest { parameter: "file", name: self.file.0.clone(), optional: false }]
     }
     fn run(&self, cx: &Context<'_>, _: None) -> Result<One> {
         let n = cx.file(&self.file).map_or(0, |f| f.bytes.len());

@@ -379,7 +379,7 @@ impl<'a> Layout<'a> {
         for (o, b) in out.iter_mut().zip(samples.iter().step_by(n)) {
             let v = of(*b);
             let narrow = if self.kind == SampleKind::F64 { f64::from(v as f32) } else { v };
-            let void = v == nodata || narrow == nodata || v.is_nan() || v.abs() > 1e30;
+            let void = v == nodata || narrow == nodata;
             *o = if void { f32::NAN } else { v as f32 };
         }
     }

@@ -261,7 +261,7 @@ fn errors_name_parameter_or_file() {
         run(node, files, &terrain, grid).err().expect("an error").to_string()
     };
     assert_eq!(say(&ImportHeight::default(), &[]), "parameter `file` no file chosen");
-    assert_eq!(say(&node(Placing::Stretch), &[]), "not found: a.tif");
+    assert_eq!(say(&node(Placing::Stretch), &[]), "parameter `file`: not found: a.tif");
     let broken = [source("a.tif", b"II*\0".to_vec())];
     assert!(say(&node(Placing::Stretch), &broken).ends_with(": a.tif"));
     let mut raw = node(Placing::TrueSize { x: Metres(0.0), y: Metres(0.0), rotation: Degrees(0.0) });
