@@ -35,6 +35,11 @@ registry! {
         import_height: ImportHeight,
     }
 
+    /// Draws, reads and changes feature curves, and makes land of them.
+    curves {
+        feature_curves: FeatureCurves,
+    }
+
     /// Puts two fields together.
     blend {
         combine: Combine,

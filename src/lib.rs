@@ -56,5 +56,5 @@ pub mod prelude {
     };
     pub use crate::ports;
     pub use crate::units::{Degrees, FilePath, Metres, Number, PerMetre, Ratio, Seed};
-    pub use crate::value::{Colors, Field, Grid, Quantity, Raster, Terrain, Vectors};
+    pub use crate::value::{Colors, Constraints, Curves, Field, Grid, Quantity, Raster, Terrain, Vectors};
 }

@@ -101,6 +101,8 @@ pub enum Error {
 /// How far a node looks from a point of its output: decides on which grid it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reach {
+    /// No grid at all: curves, rivers, points. The node runs once; fields that it reads come from the base grid.
+    Gridless,
     /// A value depends on its own point alone.
     Point,
     /// A value depends on a window around its point; see [`Node::footprint`].
@@ -120,7 +122,7 @@ impl Reach {
         match self {
             Self::Point => Self::Local(Margin { metres: 0.0, cells: n }),
             Self::Local(m) => Self::Local(Margin { cells: m.cells + n, ..m }),
-            Self::Global => self,
+            Self::Gridless | Self::Global => self,
         }
     }
 }
@@ -295,7 +297,7 @@ pub trait Node:
         let (_, _) = (port, terrain);
         match self.reach() {
             Reach::Local(m) => window.grow_metres(m.metres).grow_cells(m.cells),
-            Reach::Point | Reach::Global => *window,
+            Reach::Gridless | Reach::Point | Reach::Global => *window,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Typed ports: what a node takes and gives.
 
 use crate::node::{Error, Result};
-use crate::value::{Colors, Field, Value, Vectors, WireType};
+use crate::value::{Colors, Constraints, Curves, Field, Value, Vectors, WireType};
 
 /// One input or output of a kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +97,7 @@ macro_rules! wire {
         }
     )+};
 }
-wire!(Field, Vectors, Colors);
+wire!(Field, Vectors, Colors, Curves, Constraints);
 
 impl<T: Wire> Wire for Option<T> {
     const WIRE: WireType = T::WIRE;

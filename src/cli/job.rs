@@ -71,10 +71,10 @@ impl Job {
 
     /// Chooses the format by what the output is, where nothing else chose it.
     pub(super) fn settle(&mut self, value: &Value) {
-        self.quantity = value.quantity();
+        self.quantity = value.quantity().unwrap_or(Quantity::Number);
         self.channels = (value.wire_type().sample_bytes() / 4) as usize;
-        let by_target = self.target.filter(|_| value.quantity() == Quantity::Elevation).map(Target::format);
-        let by_quantity = match value.quantity() {
+        let by_target = self.target.filter(|_| self.quantity == Quantity::Elevation).map(Target::format);
+        let by_quantity = match self.quantity {
             Quantity::Color => Format::Png8,
             Quantity::Mask => Format::Png16,
             _ => Format::Exr,
@@ -155,13 +155,14 @@ impl Job {
         }
         let range = match value {
             Value::Field(f) => f.range(),
-            Value::Vectors(_) | Value::Colors(_) => None,
+            _ => None,
         };
+        let grid = tile.grid;
         let json = json!({
             "name": self.name, "path": file, "format": self.format().name(), "bytes": stamp.bytes,
             "sha256": stamp.sha256, "samples_sha256": samples_sha256(value),
-            "cols": value.grid().cols, "rows": value.grid().rows, "cell": value.grid().cell(),
-            "quantity": value.quantity().name(), "unit": value.quantity().unit(),
+            "cols": grid.cols, "rows": grid.rows, "cell": grid.cell(),
+            "quantity": self.quantity.name(), "unit": self.quantity.unit(),
             "min": range.map(|r| r.0), "max": range.map(|r| r.1),
             "range": written.range, "clipped": written.clipped, "notes": notes,
             "tile": many.then(|| json!(tile.place)),

@@ -94,7 +94,7 @@ fn table(plan: &Plan, names: &[String], window: &Grid) -> String {
             t.node,
             t.kind.to_owned(),
             t.stage.name().to_owned(),
-            format!("{} x {}", t.grid.cols, t.grid.rows),
+            t.grid.map_or_else(|| "none".into(), |g| format!("{} x {}", g.cols, g.rows)),
             format!("{:.3}", t.effective_cell),
             bytes(t.output_bytes + t.cost.bytes),
             if t.cached.is_some() { String::from("-") } else { format!("{:.3}", t.cost.seconds) },
@@ -121,8 +121,8 @@ fn table(plan: &Plan, names: &[String], window: &Grid) -> String {
 fn json_of(plan: &Plan, names: &[String], window: &Grid) -> String {
     let tasks = plan.tasks().into_iter().map(|t| {
         json!({
-            "node": t.node, "kind": t.kind, "stage": t.stage.name(), "cols": t.grid.cols, "rows": t.grid.rows,
-            "cell": t.grid.cell(), "effective_cell": t.effective_cell, "backend": "cpu",
+            "node": t.node, "kind": t.kind, "stage": t.stage.name(), "cols": t.grid.map(|g| g.cols), "rows": t.grid.map(|g| g.rows),
+            "cell": t.grid.map(|g| g.cell()), "effective_cell": t.effective_cell, "backend": "cpu",
             "bytes": t.output_bytes + t.cost.bytes, "seconds": t.cost.seconds, "cached": t.cached,
         })
     });

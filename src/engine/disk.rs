@@ -150,17 +150,17 @@ fn header(given: &Given) -> (Header, Vec<&[u8]>) {
         }
         Given::Wires(wires) => {
             let entry = |(port, value): (&str, &Value)| {
-                let g = value.grid();
+                let (g, quantity) = (value.grid()?, value.quantity()?);
                 let l = g.lattice;
-                Entry {
+                Some(Entry {
                     port: port.to_owned(),
-                    quantity: Quantity::ALL.iter().position(|q| *q == value.quantity()).unwrap_or(0),
+                    quantity: Quantity::ALL.iter().position(|q| *q == quantity).unwrap_or(0),
                     lattice: (l.origin[0], l.origin[1], l.span, l.intervals),
                     window: (g.col, g.row, g.cols, g.rows),
                     components: value.components().len(),
-                }
+                })
             };
-            let values = wires.iter().map(entry).collect();
+            let values = wires.iter().filter_map(entry).collect();
             parts.extend(wires.iter().map(|(_, v)| bytemuck::cast_slice::<f32, u8>(v.components())));
             (Header { byte_order, summary: None, values }, parts)
         }

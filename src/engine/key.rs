@@ -104,13 +104,18 @@ impl Parts<'_> {
                 h.number(geo.north);
             }
         }
-        let whole = reach == Reach::Global || node.needs_summary();
+        let base_fields = || kind.inputs().any(|p| p.wire.is_raster());
+        let whole = match reach {
+            Reach::Global => true,
+            Reach::Gridless => base_fields(),
+            Reach::Point | Reach::Local(_) => node.needs_summary(),
+        };
         if whole || reads.has(Reads::BASE) || reads.has(Reads::TERRAIN) {
             h.part(b"base");
             h.integer(i64::from(terrain.base));
         }
         // The apron, where a local window ends, and the base grid hang on the rectangle of the terrain.
-        if whole || reach != Reach::Point || reads.has(Reads::BASE) {
+        if whole || matches!(reach, Reach::Local(_)) || reads.has(Reads::BASE) {
             h.part(b"bounds");
             let b = terrain.bounds();
             [b.min[0], b.min[1], b.max[0], b.max[1]].into_iter().for_each(|v| h.number(v));

@@ -16,6 +16,8 @@ use crate::value::Grid;
 /// What a task does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
+    /// Runs a gridless node.
+    Gridless,
     /// Computes a statistic of the whole on the base grid.
     Summary,
     /// Runs a global node on the base grid.
@@ -30,6 +32,7 @@ impl Stage {
     /// The name used in plans and reports.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Gridless => "gridless",
             Self::Summary => "summary",
             Self::Base => "base",
             Self::Lift => "lift",
@@ -67,6 +70,11 @@ pub(super) struct Task {
 }
 
 impl Task {
+    /// The grid it runs on; none for a gridless node.
+    pub(super) fn grid(&self) -> Option<Grid> {
+        (self.stage != Stage::Gridless).then_some(self.grid)
+    }
+
     /// Bytes it adds while it runs.
     pub(super) fn bytes(&self) -> u64 {
         if self.held() { 0 } else { self.output_bytes.saturating_add(self.scratch_bytes()) }
@@ -111,8 +119,8 @@ pub struct PlannedTask {
     pub kind: &'static str,
     /// What the task does.
     pub stage: Stage,
-    /// The grid it runs on.
-    pub grid: Grid,
+    /// The grid it runs on; none for a gridless node.
+    pub grid: Option<Grid>,
     /// Spacing of the finest detail its result can hold, in metres.
     pub effective_cell: f64,
     /// Whether the cache has its result: `memory`, `disk`, or not.
@@ -169,7 +177,7 @@ impl Plan {
         let (tasks, results) = planner.number();
         let wanted = wants.iter().map(|w| match w {
             Ok((step, grid)) => match &program.steps[*step] {
-                Ok(_) => Ok(results.find(*step, grid)),
+                Ok(_) => Ok(results.find(*step, &program.place(*step, *grid))),
                 Err(failure) => Err(failure.clone()),
             },
             Err(failure) => Err(failure.clone()),
@@ -243,7 +251,7 @@ impl Plan {
                 node: step.name.clone(),
                 kind: step.kind.id,
                 stage: t.stage,
-                grid: t.grid,
+                grid: t.grid(),
                 effective_cell: effective[i],
                 cached: t.found.as_ref().map(Found::place),
                 output_bytes: t.output_bytes,
@@ -254,7 +262,7 @@ impl Plan {
     }
 
     /// Spacing of the finest detail a wanted value can hold, in metres: that of its grid, or the base grid's where
-    /// a global node stands before it. `None` when it cannot be made.
+    /// a global node stands before it; 0 for what is gridless. `None` when it cannot be made.
     pub fn effective_cell(&self, want: usize) -> Option<f64> {
         let task = *self.wanted.get(want)?.as_ref().ok()?;
         Some(self.effective_cells()[task])
@@ -264,7 +272,11 @@ impl Plan {
         let base = self.base_cell();
         let mut cells: Vec<f64> = Vec::with_capacity(self.tasks.len());
         for task in &self.tasks {
-            let own = if task.stage == Stage::Lift { base.max(task.grid.cell()) } else { task.grid.cell() };
+            let own = match task.stage {
+                Stage::Gridless => 0.0,
+                Stage::Lift => base.max(task.grid.cell()),
+                Stage::Summary | Stage::Base | Stage::Run => task.grid.cell(),
+            };
             let inputs =
                 task.needs.iter().filter(|(role, _)| matches!(role, Role::Input { .. } | Role::Fine { .. }));
             // A cached lift has no inputs to look at; its own rule covers it.
@@ -290,6 +302,7 @@ impl Plan {
 
 impl Planner<'_> {
     fn ask(&mut self, step: usize, grid: Grid) {
+        let grid = self.program.place(step, grid);
         let windows = &mut self.windows[step];
         match windows.iter_mut().find(|w| w.lattice == grid.lattice) {
             Some(window) => *window = window.union(&grid),
@@ -303,13 +316,18 @@ impl Planner<'_> {
         let mut base_needed = false;
         let first = self.drafts.len();
         for grid in self.windows[i].clone() {
-            let stage = if step.reach == Reach::Global { Stage::Lift } else { Stage::Run };
+            let stage = match step.reach {
+                Reach::Gridless => Stage::Gridless,
+                Reach::Global => Stage::Lift,
+                Reach::Point | Reach::Local(_) => Stage::Run,
+            };
             let key = step.key.on(stage.name(), &grid.lattice);
             let found = self.store.find(&key, &grid);
             let mut asks = Vec::new();
             if found.is_none() {
                 asks = match stage {
                     Stage::Lift => self.lift_asks(step, &grid),
+                    Stage::Gridless => Self::input_asks(step, |_| self.base),
                     _ => self.run_asks(step, &grid),
                 };
                 base_needed |= stage == Stage::Lift || step.node.needs_summary();
@@ -388,7 +406,7 @@ impl Planner<'_> {
             let Draft { step, stage, grid, key, found, asks } = draft;
             let needs = asks.into_iter().map(|(role, ask)| {
                 let task = match ask {
-                    Ask::Result { step, grid } => results.find(step, &grid),
+                    Ask::Result { step, grid } => results.find(step, &program.place(step, grid)),
                     Ask::Own(stage) => results.own(step, stage),
                 };
                 (role, task)
@@ -422,7 +440,7 @@ impl Results {
 
     fn find(&self, step: usize, grid: &Grid) -> usize {
         let serves =
-            |r: &&(usize, Stage, Grid, usize)| matches!(r.1, Stage::Run | Stage::Lift) && r.2.contains(grid);
+            |r: &&(usize, Stage, Grid, usize)| matches!(r.1, Stage::Gridless | Stage::Run | Stage::Lift) && r.2.contains(grid);
         let found = self.of_step(step).iter().find(serves);
         found.map(|r| r.3).expect("every window that is asked for was collected")
     }
@@ -447,7 +465,7 @@ fn clip(window: &Grid, terrain: &crate::value::Terrain) -> Grid {
 
 fn cost(step: &Step, stage: Stage, grid: &Grid, base: &Grid) -> Cost {
     match stage {
-        Stage::Run | Stage::Base => {
+        Stage::Gridless | Stage::Run | Stage::Base => {
             let own = step.node.cost(grid);
             // Mixing and cropping hold a copy of what they mix.
             let mixed = step.kind.meta.mixes.len() as f64 * 3.0;

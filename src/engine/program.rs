@@ -8,7 +8,7 @@ use super::files::Files;
 use super::key::{Key, Parts};
 use crate::graph::{Graph, NodeId, Place, Problem};
 use crate::node::{AnyNode, Error, Kind, Reach, SourceFile};
-use crate::value::Terrain;
+use crate::value::{Grid, Terrain};
 
 /// The parsed part of a graph that some wanted nodes need.
 #[derive(Debug)]
@@ -61,6 +61,12 @@ impl Program {
             program.steps.push(step);
         }
         program
+    }
+
+    /// The grid on which a step gives its result when it is asked for on another: a gridless one has none.
+    pub(super) fn place(&self, step: usize, grid: Grid) -> Grid {
+        let gridless = self.steps[step].as_ref().is_ok_and(|s| s.reach == Reach::Gridless);
+        if gridless { Grid::NOWHERE } else { grid }
     }
 
     pub(super) fn find(&self, id: NodeId) -> Option<usize> {

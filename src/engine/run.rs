@@ -55,8 +55,8 @@ pub struct TaskReport {
     pub kind: &'static str,
     /// What the task did.
     pub stage: Stage,
-    /// The grid it ran on.
-    pub grid: Grid,
+    /// The grid it ran on; none for a gridless node.
+    pub grid: Option<Grid>,
     /// Where the cache had the result: `memory`, `disk`, or not.
     pub cached: Option<&'static str>,
     /// Seconds it took.
@@ -253,7 +253,7 @@ impl Runner<'_> {
             node: step.name.clone(),
             kind: step.kind.id,
             stage: task.stage,
-            grid: task.grid,
+            grid: task.grid(),
             cached: task.found.as_ref().map(Found::place),
             seconds,
             bytes: end.as_ref().map_or(0, |g| g.bytes()),
@@ -291,7 +291,7 @@ impl Runner<'_> {
         let work = || stage(&cx, task, &*step.node, step.kind, &needs);
         let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)))?;
         self.store.keep(task.key, task.grid, &given);
-        if let Some(disk) = &self.store.disk {
+        if let Some(disk) = self.store.disk.as_ref().filter(|_| given.is_raster()) {
             // A full disk costs the next process time, not this one its result.
             let _ = disk.put(&task.key, &task.grid, &given);
         }
@@ -329,11 +329,11 @@ fn stage(
     }
     let mut out = match task.stage {
         Stage::Summary => return node.summarize(cx, own).map(Given::Summary),
-        Stage::Base | Stage::Run => node.run(cx, own)?,
+        Stage::Gridless | Stage::Base | Stage::Run => node.run(cx, own)?,
         Stage::Lift => lifted(cx, kind, needs)?,
     };
     check(&task.grid, kind, &out)?;
-    if task.stage != Stage::Base && !kind.meta.mixes.is_empty() {
+    if !matches!(task.stage, Stage::Gridless | Stage::Base) && !kind.meta.mixes.is_empty() {
         let fine = fine_inputs(needs)?;
         if let Some(Value::Field(mask)) = fine.get(MASK.name) {
             mix::mix(cx, kind.meta.mixes, &fine, mask, &mut out)?;
@@ -391,7 +391,7 @@ fn check(grid: &Grid, kind: &'static crate::node::Kind, out: &Wires) -> Result<(
             Some(value) if value.wire_type() != port.wire => {
                 return bad(format!("is {}, not {}", value.wire_type().name(), port.wire.name()));
             }
-            Some(value) if value.grid() != grid => {
+            Some(value) if value.grid().is_some_and(|g| g != grid) => {
                 return bad(format!("stands on {:?}, not on {grid:?}", value.grid()));
             }
             Some(value) => {

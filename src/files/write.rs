@@ -116,7 +116,9 @@ pub struct Written {
 /// When the format cannot hold the value, its values lie outside the range, or the disk refuses.
 pub fn encode(job: &WriteJob<'_>, out: &mut (impl Write + Seek)) -> Result<Written, WriteError> {
     let WriteJob { value, terrain, whole, .. } = *job;
-    let (grid, quantity) = (value.grid(), value.quantity());
+    let Some((grid, quantity)) = value.grid().zip(value.quantity()) else {
+        return Err(unfit(job.format, value.wire_type().name(), "fields, vectors and colours can be written"));
+    };
     let bounds = grid.bounds();
     let [x, y] = bounds.min;
     let corner = |g: Geo| [g.east + (x - terrain.origin[0]), g.north - (y - terrain.origin[1])];

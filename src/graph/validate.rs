@@ -9,6 +9,7 @@ use super::problem::{Hints, Place, Problem, Severity, listed};
 use super::write::brief;
 use super::{Graph, NodeId, settings};
 use crate::node::{Error, Kind, Reads};
+use crate::value::WireType;
 
 /// Longest name of a node, an output or an exposed parameter.
 const MAX_NAME: usize = 64;
@@ -187,8 +188,17 @@ impl Graph {
         if output.from.is_empty() && !output.extra.contains_key("from") {
             found.push(error("needs `from`, the output of a node as `node.port`".to_owned()));
         } else if !output.extra.contains_key("from") {
-            let miss = self.resolve(&output.from).err();
-            found.extend(miss.map(|miss| error(self.explain(&output.from, &miss, hints))));
+            match self.resolve(&output.from) {
+                Err(miss) => found.push(error(self.explain(&output.from, &miss, hints))),
+                Ok(source) => {
+                    let wire = self.wire_type(source).filter(|wire| !wire.is_raster());
+                    let message = |wire: WireType| {
+                        let (from, wire) = (&output.from, wire.name());
+                        format!("`from` must be a field, vectors or colours, `{from}` is {wire}")
+                    };
+                    found.extend(wire.map(|wire| error(message(wire))));
+                }
+            }
         }
         if let Some([low, high]) = output.range
             && !(low.is_finite() && high.is_finite() && low < high)

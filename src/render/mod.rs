@@ -24,6 +24,7 @@ mod material;
 mod perspective;
 mod picture;
 mod plane;
+mod sketch;
 mod sky;
 mod surface;
 mod thumbnail;

@@ -3,7 +3,7 @@
 use super::picture::Picture;
 use super::plane::resampled;
 use super::surface::working_grid;
-use super::{Palette, Scene, Watch, map, picture_side};
+use super::{Palette, sketch, Scene, Watch, map, picture_side};
 use crate::context::Cancel;
 use crate::kit::ramp::{Blend, Palette as Colours, Ramp};
 use crate::node::{Error, Result};
@@ -16,7 +16,7 @@ const RELIEF: f64 = 0.16;
 ///
 /// An elevation is a shaded map whose relief is raised until it shows; a mask is grey from 0 to 1; a direction is
 /// a wheel of hues; other fields are coloured from their lowest to their highest value; vectors show their
-/// components as red and green around grey; colours are as they are.
+/// components as red and green around grey; colours are as they are; curves and constraints are coloured by height.
 ///
 /// # Errors
 /// When the value has no samples or a number that is not finite, `side` is 0 or too large, or the work was cancelled.
@@ -45,6 +45,8 @@ pub fn thumbnail(value: &Value, side: usize, cancel: &Cancel) -> Result<Picture>
             paint(&colors, [vectors.grid().cols, vectors.grid().rows], side, &watch)
         }
         Value::Colors(colors) => paint(colors.data(), [colors.grid().cols, colors.grid().rows], side, &watch),
+        Value::Curves(curves) => Ok(sketch::curves(curves, side)),
+        Value::Constraints(constraints) => Ok(sketch::constraints(constraints, side)),
     }
 }
 

@@ -62,6 +62,15 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// The grid of what has none: one place, the same for every terrain.
+    pub const NOWHERE: Self = Self {
+        lattice: Lattice { origin: [0.0, 0.0], span: 1.0, intervals: 1 },
+        col: 0,
+        row: 0,
+        cols: 1,
+        rows: 1,
+    };
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.cols.saturating_mul(self.rows)

@@ -50,6 +50,8 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
             }
             WireType::Vectors => "turns.vectors",
             WireType::Colors => "tints.colors",
+            WireType::Curves => "lines.curves",
+            WireType::Constraints => "marks.constraints",
         };
         // The engine's own mask is left out here: it has a test of its own.
         if port.name != "mask" || kind.meta.mixes.is_empty() {
@@ -68,6 +70,11 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
             "share": { "kind": "stretch", "in": { "field": "second.field" } },
             "turns": { "kind": "normals", "in": { "height": "first.field" } },
             "tints": { "kind": "colorize", "in": { "field": "first.field" } },
+            "lines": { "kind": "feature_curves", "set": { "curves": [
+                { "through": [300, 400, 1500, 900, 3000, 500], "height": [0, 80, 60, 1, 220, 90],
+                  "slope": [0, 300, 400, -20, 35], "noise": [0, 30, 0.4] },
+                { "line": [500, 1500, 3600, 1700], "height": [0, -40, 0] },
+            ] } },
             "zero": { "kind": "constant", "set": { "value": 0, "quantity": "mask" } },
             "one": { "kind": "constant", "set": { "value": 1, "quantity": "mask" } },
             "node": { "kind": kind.id, "set": set, "in": inputs },
@@ -94,8 +101,13 @@ pub(crate) fn outputs(
     kind.outputs.iter().zip(all.values).map(|(p, v)| Ok((p.name, v.map_err(|f| f.to_string())?))).collect()
 }
 
+/// The samples of a raster to the bit; what else a value holds as its text.
 pub(crate) fn bits(value: &Value) -> Vec<u32> {
-    value.components().iter().map(|x| x.to_bits()).collect()
+    match value {
+        Value::Curves(curves) => format!("{curves:?}").bytes().map(u32::from).collect(),
+        Value::Constraints(constraints) => format!("{constraints:?}").bytes().map(u32::from).collect(),
+        raster => raster.components().iter().map(|x| x.to_bits()).collect(),
+    }
 }
 
 pub(crate) fn grid(graph: &Graph, size: u32) -> Grid {

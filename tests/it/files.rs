@@ -41,5 +41,5 @@ pub(crate) fn job<'a>(
     format: orograph::files::Format,
     terrain: &'a Terrain,
 ) -> WriteJob<'a> {
-    WriteJob::new(value, format, terrain, *value.grid())
+    WriteJob::new(value, format, terrain, *value.grid().expect("a raster"))
 }

@@ -78,7 +78,7 @@ fn run_any(node: &dyn AnyNode, ports: &[&'static str], at: Grid, source: Source<
     let cx = Context { whole: summary.as_ref(), ..Context::bare(at, &terrain, &cancel) };
     let inputs = wires(&|p| clipped(&node.footprint(p, &at, &terrain)));
     let out = node.run(&cx, inputs)?.get("field").cloned().expect("an output `field`");
-    assert_eq!(*out.grid(), at);
+    assert_eq!(out.grid(), Some(&at));
     assert_eq!(out.first_not_finite(), None, "{node:?}");
     Ok(out)
 }

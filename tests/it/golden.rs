@@ -12,7 +12,7 @@ use orograph::params::Shape;
 use orograph::value::Value;
 use serde_json::{Map, Value as Json};
 
-use crate::fed::{engine, extremes, fed, grid, outputs, shipped};
+use crate::fed::{bits, engine, extremes, fed, grid, outputs, shipped};
 use crate::kinds::registry;
 
 /// What stands before the first difference of two lines of one result: kind, parameters, output.
@@ -40,13 +40,16 @@ fn sets(kind: &Kind) -> Vec<Map<String, Json>> {
 fn line(version: u32, value: &Value) -> Line {
     let samples = value.components();
     let mut hasher = blake3::Hasher::new();
-    for x in samples {
+    for x in bits(value) {
         hasher.update(&x.to_le_bytes());
     }
-    let hash = &hasher.finalize().to_hex()[..16];
+    let (version, hash) = (format!("v{version}"), hasher.finalize().to_hex()[..16].to_owned());
+    if samples.is_empty() {
+        return Line { version, rest: hash };
+    }
     let mean = samples.iter().map(|x| f64::from(*x)).sum::<f64>() / samples.len() as f64;
     let (lo, hi) = samples.iter().fold((f32::MAX, f32::MIN), |(lo, hi), x| (lo.min(*x), hi.max(*x)));
-    Line { version: format!("v{version}"), rest: format!("{hash}  {lo:.6} {mean:.6} {hi:.6}") }
+    Line { version, rest: format!("{hash}  {lo:.6} {mean:.6} {hi:.6}") }
 }
 
 fn results(kinds: &[&'static Kind]) -> BTreeMap<Name, Line> {

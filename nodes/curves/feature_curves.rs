@@ -1,0 +1,73 @@
+//! Curves drawn by hand.
+
+use crate::prelude::*;
+use crate::value::curves::CurveSpec;
+
+/// Holds feature curves that an artist draws: ridges, riverbeds, cliffs, whatever gives the land its shape.
+///
+/// A curve is a piecewise cubic Bézier in metres, x to the east and y to the south. At places along it, given as the
+/// share `u` of its length, stand any of four groups of values [hnaidi2010, section 3.1; weiss2015, chapter V]: height
+/// and radius of a plateau; how far and how steeply the ground slopes on the left and on the right; amplitude and
+/// roughness of noise; how wide the strip is that is smoothed into an existing terrain. Left and right are those of
+/// somebody who walks along growing `u`; angles are positive where the ground rises away from the curve. Between two
+/// places values change linearly, the height along a cubic that does not overshoot; beyond the first and the last they
+/// are held.
+///
+/// A curve is written in as few numbers as will do: `{ "through": [x, y, …], "height": [u, h, r, …], "slope": [u, a, b,
+/// θ, φ, …] }`.
+///
+/// # Limits
+/// It gives no field: `curve_raster` and `diffuse` make one.
+///
+/// # See also
+/// `ridge_line`, `river_bed`, `cliff`, `hill` and `crack` make one curve of a kind from few numbers.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct FeatureCurves {
+    /// The curves.
+    #[schemars(length(max = 4096), extend("x-widget" = "curves"))]
+    pub curves: Vec<CurveSpec>,
+}
+
+ports! {
+    pub struct Inputs {}
+    pub struct Outputs {
+        /// The curves, in the order of the list.
+        curves: Curves,
+    }
+}
+
+impl Node for FeatureCurves {
+    type In = Inputs;
+    type Out = Outputs;
+    const META: Meta = Meta::new()
+        .cite(&["hnaidi2010", "weiss2015"])
+        .keywords(&["draw", "spline", "bezier", "ridge", "river", "constraint", "sketch"]);
+
+    fn reach(&self) -> Reach {
+        Reach::Gridless
+    }
+
+    fn cost(&self, _: &Grid) -> Cost {
+        let numbers: usize = self.curves.iter().map(|c| c.bezier.len() + c.through.len() + c.line.len()).sum();
+        Cost { bytes: 4096 * self.curves.len() as u64 + 64 * numbers as u64, seconds: numbers as f64 * 1e-6 }
+    }
+
+    fn check(&self) -> Result<()> {
+        self.build().map(|_| ())
+    }
+
+    fn run(&self, _: &Context<'_>, _: Inputs) -> Result<Outputs> {
+        Ok(Outputs { curves: self.build()? })
+    }
+}
+
+impl FeatureCurves {
+    fn build(&self) -> Result<Curves> {
+        let wrong = |e: crate::value::curves::CurveError| Error::Parameter {
+            name: "curves".into(),
+            message: format!("has a fault: {e}"),
+        };
+        Curves::from_specs(&self.curves).map_err(wrong)
+    }
+}

@@ -1,0 +1,145 @@
+//! What rasterised curves say about the samples of a grid.
+
+use std::sync::Arc;
+
+use super::Grid;
+
+/// What is known of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Its height.
+    Height,
+    /// Direction and steepness of its gradient.
+    Gradient,
+    /// Amplitude and roughness of its noise.
+    Noise,
+    /// That gradients of different curves meet there, so that none is given.
+    Open,
+}
+
+impl Mark {
+    /// Its bit in [`Planes::marks`].
+    pub const fn bit(self) -> u8 {
+        match self {
+            Self::Height => 1,
+            Self::Gradient => 2,
+            Self::Noise => 4,
+            Self::Open => 8,
+        }
+    }
+}
+
+/// One value per sample in row order; a plane that no curve asks for is not there. What is not marked is 0.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Planes {
+    /// Bits of [`Mark`].
+    pub marks: Vec<u8>,
+    /// Height, in metres.
+    pub height: Option<Vec<f32>>,
+    /// The direction, of length one, in which heights flow: x east, y south.
+    pub direction: Option<Vec<[f32; 2]>>,
+    /// Rise along that direction, as a tangent; below 0 where the ground falls.
+    pub steepness: Option<Vec<f32>>,
+    /// Amplitude in metres and roughness from 0 to 1.
+    pub noise: Option<Vec<[f32; 2]>>,
+    /// Weight of smoothing into an existing terrain, from 0 to 1.
+    pub envelope: Option<Vec<f32>>,
+}
+
+/// The maps that diffusion starts from; cheap to clone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constraints {
+    grid: Grid,
+    planes: Arc<Planes>,
+}
+
+impl Constraints {
+    /// Wraps planes in row order.
+    ///
+    /// # Panics
+    /// When a plane has not one value per grid point: that is a bug of the caller.
+    pub fn new(grid: Grid, planes: Planes) -> Self {
+        let n = grid.len();
+        let fits = |len: Option<usize>| len.is_none_or(|len| len == n);
+        let Planes { marks, height, direction, steepness, noise, envelope } = &planes;
+        let all = [
+            Some(marks.len()),
+            height.as_ref().map(Vec::len),
+            direction.as_ref().map(Vec::len),
+            steepness.as_ref().map(Vec::len),
+            noise.as_ref().map(Vec::len),
+            envelope.as_ref().map(Vec::len),
+        ];
+        assert!(all.into_iter().all(fits), "one value per grid point");
+        Self { grid, planes: Arc::new(planes) }
+    }
+
+    /// Where the samples stand.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// All planes.
+    pub fn planes(&self) -> &Planes {
+        &self.planes
+    }
+
+    /// Whether something is known of the sample at a column and row of the window.
+    pub fn has(&self, mark: Mark, [col, row]: [usize; 2]) -> bool {
+        self.planes.marks[row * self.grid.cols + col] & mark.bit() != 0
+    }
+
+    /// The height at a column and row of the window, in metres.
+    pub fn height(&self, [col, row]: [usize; 2]) -> Option<f32> {
+        let height = self.planes.height.as_ref()?[row * self.grid.cols + col];
+        self.has(Mark::Height, [col, row]).then_some(height)
+    }
+
+    /// Direction and steepness at a column and row of the window.
+    pub fn gradient(&self, [col, row]: [usize; 2]) -> Option<([f32; 2], f32)> {
+        let at = row * self.grid.cols + col;
+        let both = (self.planes.direction.as_ref()?[at], self.planes.steepness.as_ref()?[at]);
+        self.has(Mark::Gradient, [col, row]).then_some(both)
+    }
+
+    /// Amplitude and roughness at a column and row of the window.
+    pub fn noise(&self, [col, row]: [usize; 2]) -> Option<[f32; 2]> {
+        let both = self.planes.noise.as_ref()?[row * self.grid.cols + col];
+        self.has(Mark::Noise, [col, row]).then_some(both)
+    }
+
+    /// Weight of the envelope at a column and row of the window; 0 without one.
+    pub fn envelope(&self, [col, row]: [usize; 2]) -> f32 {
+        self.planes.envelope.as_ref().map_or(0.0, |p| p[row * self.grid.cols + col])
+    }
+
+    /// 1 where something is known and 0 elsewhere, in row order.
+    pub fn mask(&self, mark: Mark) -> Vec<f32> {
+        let one = |&m: &u8| if m & mark.bit() != 0 { 1.0 } else { 0.0 };
+        self.planes.marks.iter().map(one).collect()
+    }
+
+    /// Column and row of the first sample, in row order, of a plane that has a number that is not finite.
+    pub fn first_not_finite(&self) -> Option<(usize, usize)> {
+        let Planes { height, direction, steepness, noise, envelope, .. } = &*self.planes;
+        let first = |plane: Option<&[f32]>, channels: usize| {
+            plane.and_then(|p| p.iter().position(|v| !v.is_finite())).map(|at| at / channels)
+        };
+        let pairs = |plane: &Option<Vec<[f32; 2]>>| first(plane.as_deref().map(bytemuck::cast_slice), 2);
+        let single = |plane: &Option<Vec<f32>>| first(plane.as_deref(), 1);
+        let found = [single(height), pairs(direction), single(steepness), pairs(noise), single(envelope)];
+        found.into_iter().flatten().min().map(|at| (at % self.grid.cols, at / self.grid.cols))
+    }
+
+    /// Bytes of the planes.
+    pub fn bytes(&self) -> u64 {
+        let p = &*self.planes;
+        let per_sample = 1
+            + 4 * u64::from(p.height.is_some())
+            + 8 * u64::from(p.direction.is_some())
+            + 4 * u64::from(p.steepness.is_some())
+            + 8 * u64::from(p.noise.is_some())
+            + 4 * u64::from(p.envelope.is_some());
+        per_sample * self.grid.len() as u64
+    }
+}
