@@ -37,7 +37,16 @@ registry! {
 
     /// Draws, reads and changes feature curves, and makes land of them.
     curves {
+        cliff: Cliff,
+        crack: Crack,
+        curve_raster: CurveRaster,
         feature_curves: FeatureCurves,
+        hill: Hill,
+        import_curves: ImportCurves,
+        merge_curves: MergeCurves,
+        ridge_line: RidgeLine,
+        river_bed: RiverBed,
+        transform_curves: TransformCurves,
     }
 
     /// Puts two fields together.

@@ -13,6 +13,7 @@ use serde_json::{Map, Value as Json};
 pub use crate::context::{Cancel, Context, Row, SourceFile};
 use crate::params::{self, Param};
 use crate::ports::{self, Port, Ports, Wires};
+use crate::value::curves::CurveError;
 use crate::value::{Grid, Terrain, WireType};
 
 /// The result of a node.
@@ -96,6 +97,17 @@ pub enum Error {
     /// The work was asked to stop.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl Error {
+    /// What is wrong with curves, as a fault of the node that made or read them.
+    pub fn of_curves(e: CurveError) -> Self {
+        match e {
+            CurveError::Cancelled => Self::Cancelled,
+            CurveError::Parameter { name, message } => Self::Parameter { name: name.into(), message },
+            other => Self::Parameter { name: "curves".into(), message: other.to_string() },
+        }
+    }
 }
 
 /// How far a node looks from a point of its output: decides on which grid it runs.

@@ -3,6 +3,7 @@
 pub mod blur;
 pub mod color;
 pub mod curve;
+pub mod curves;
 pub mod derivative;
 pub mod distance;
 pub mod hash;

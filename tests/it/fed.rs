@@ -22,6 +22,8 @@ static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
         text += &(row.join(" ") + "\n");
     }
     std::fs::write(folder.path().join("small.asc"), text).unwrap();
+    let picture = r#"<svg viewBox="0 0 100 50"><path d="M 5 5 C 30 40 60 0 95 45" data-h="80"/></svg>"#;
+    std::fs::write(folder.path().join("small.svg"), picture).unwrap();
     folder
 });
 
@@ -40,7 +42,11 @@ pub(crate) fn engine(threads: usize) -> Engine {
 pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> Graph {
     let mut set = set.clone();
     for p in kind.params().iter().filter(|p| p.widget.as_deref() == Some("file")) {
-        set.insert(p.name.clone(), json!("small.asc"));
+        let curves = kind.outputs.iter().any(|o| o.wire == WireType::Curves);
+        set.insert(p.name.clone(), json!(if curves { "small.svg" } else { "small.asc" }));
+        if curves && !set.contains_key("mapping") {
+            set.insert("mapping".into(), json!({ "height": { "property": { "name": "h" } } }));
+        }
     }
     let mut inputs = Map::new();
     for (i, port) in kind.inputs().enumerate().filter(|(_, p)| p.name != "mask" || mask.is_none()) {
@@ -75,6 +81,7 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
                   "slope": [0, 300, 400, -20, 35], "noise": [0, 30, 0.4] },
                 { "line": [500, 1500, 3600, 1700], "height": [0, -40, 0] },
             ] } },
+            "marks": { "kind": "curve_raster", "in": { "curves": "lines.curves" } },
             "zero": { "kind": "constant", "set": { "value": 0, "quantity": "mask" } },
             "one": { "kind": "constant", "set": { "value": 1, "quantity": "mask" } },
             "node": { "kind": kind.id, "set": set, "in": inputs },

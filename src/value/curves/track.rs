@@ -46,7 +46,7 @@ impl<const N: usize> Track<N> {
         }
     }
 
-    pub(super) fn mapped(&self, f: impl Fn([f64; N]) -> [f64; N]) -> Self {
+    pub(crate) fn mapped(&self, f: impl Fn([f64; N]) -> [f64; N]) -> Self {
         Self { keys: self.keys.iter().map(|&(u, v)| (u, f(v))).collect() }
     }
 }

@@ -1,0 +1,68 @@
+//! Curves as constraints on a grid.
+
+use crate::kit::curves::raster::{self, Options};
+use crate::prelude::*;
+
+/// Puts feature curves on the base grid, as the constraints that `diffuse` starts from.
+///
+/// Beside each curve lies its plateau, on which height, amplitude and roughness are fixed, and beyond it on both sides
+/// the slope, on which the steepness fades linearly to nothing [hnaidi2010, section 4.1]. Where fixed values of several
+/// curves meet they are averaged; where gradients of different curves meet the samples are left open, and diffusion
+/// fills them. A curve with slopes and no height gives its gradient the other way round, so that heights flow towards
+/// it and the slope stays what it is.
+///
+/// # Differs from the paper
+/// The paper paints quadrangles over each other; here a sample takes the gradient of its nearest place on the curve,
+/// so that a strip that folds over itself at a sharp bend has neither holes nor spikes. Outer sides of bends are
+/// round. A plateau thinner than a cell marks a connected line of samples. The strip that is smoothed into an existing
+/// terrain [weiss2015, chapter V] may fade over a share of its width.
+///
+/// # Limits
+/// It stands on the base grid: features narrower than two of its cells are coarse.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct CurveRaster {
+    /// Share of the width of a smoothed strip over which it fades; at 0 it ends sharply.
+    pub feather: Ratio,
+}
+
+ports! {
+    pub struct Inputs {
+        /// Feature curves.
+        curves: Curves,
+    }
+    pub struct Outputs {
+        /// What they say about the samples of the base grid.
+        constraints: Constraints,
+    }
+}
+
+/// Bytes for curves of an ordinary scene: their polylines, and where these cross which tile.
+const CURVES: u64 = 16 << 20;
+
+impl Node for CurveRaster {
+    type In = Inputs;
+    type Out = Outputs;
+    const META: Meta = Meta::new().cite(&["hnaidi2010", "weiss2015"]).keywords(&[
+        "rasterize",
+        "constraint",
+        "plateau",
+        "slope",
+        "draw",
+    ]);
+
+    fn reach(&self) -> Reach {
+        Reach::Global
+    }
+
+    fn cost(&self, grid: &Grid) -> Cost {
+        Cost { bytes: CURVES + grid.len() as u64, ..Cost::per_sample(grid, 15.0) }
+    }
+
+    fn run(&self, cx: &Context<'_>, Inputs { curves }: Inputs) -> Result<Outputs> {
+        let options = Options { feather: self.feather.0 };
+        let stop = || cx.cancel.is_cancelled();
+        let constraints = raster::rasterise(&curves, &cx.grid, &options, &stop);
+        Ok(Outputs { constraints: constraints.map_err(Error::of_curves)? })
+    }
+}

@@ -1,0 +1,52 @@
+//! Several sets of curves as one.
+
+use crate::kit::curves::transform::merge;
+use crate::prelude::*;
+
+/// Puts several sets of feature curves together, in the order of the inputs.
+///
+/// # Limits
+/// Where curves meet, `curve_raster` decides: fixed values are averaged, gradients left open.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct MergeCurves {}
+
+ports! {
+    pub struct Inputs {
+        /// First curves.
+        a: Option<Curves>,
+        /// Second curves.
+        b: Option<Curves>,
+        /// Third curves.
+        c: Option<Curves>,
+        /// Fourth curves.
+        d: Option<Curves>,
+        /// Fifth curves.
+        e: Option<Curves>,
+        /// Sixth curves.
+        f: Option<Curves>,
+    }
+    pub struct Outputs {
+        /// All curves.
+        curves: Curves,
+    }
+}
+
+impl Node for MergeCurves {
+    type In = Inputs;
+    type Out = Outputs;
+    const META: Meta = Meta::new().keywords(&["join", "append", "together", "union", "collect"]);
+
+    fn reach(&self) -> Reach {
+        Reach::Gridless
+    }
+
+    fn cost(&self, _: &Grid) -> Cost {
+        Cost { bytes: 1 << 20, seconds: 1e-5 }
+    }
+
+    fn run(&self, _: &Context<'_>, input: Inputs) -> Result<Outputs> {
+        let Inputs { a, b, c, d, e, f } = input;
+        Ok(Outputs { curves: merge([a, b, c, d, e, f].iter().flatten()).map_err(Error::of_curves)? })
+    }
+}

@@ -1,0 +1,10 @@
+//! Work on feature curves: short forms, import, transformation and the raster that diffusion starts from.
+
+pub mod flatten;
+pub mod import;
+pub mod raster;
+pub mod short;
+pub mod transform;
+
+pub use raster::{Options, rasterise};
+pub use transform::{Mirror, Transform, merge};
