@@ -40,6 +40,8 @@ registry! {
         cliff: Cliff,
         crack: Crack,
         curve_raster: CurveRaster,
+        diffuse: Diffuse,
+        diffuse_points: DiffusePoints,
         feature_curves: FeatureCurves,
         hill: Hill,
         import_curves: ImportCurves,

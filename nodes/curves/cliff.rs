@@ -1,6 +1,6 @@
 //! A cliff, from few numbers.
 
-use crate::kit::curves::short::{self, curve, extent, Grain, Ground, places, Side};
+use crate::kit::curves::short::{self, Grain, Ground, Side, curve, extent, places};
 use crate::prelude::*;
 use crate::value::curves::Slope;
 
@@ -64,7 +64,8 @@ ports! {
 impl Node for Cliff {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta = Meta::new().cite(&["hnaidi2010"]).keywords(&["cliff", "wall", "scarp", "step", "fault"]);
+    const META: Meta =
+        Meta::new().cite(&["hnaidi2010"]).keywords(&["cliff", "wall", "scarp", "step", "fault"]);
 
     fn reach(&self) -> Reach {
         Reach::Gridless
@@ -84,7 +85,11 @@ impl Node for Cliff {
 }
 
 impl Cliff {
-    fn curves(&self) -> Result<Curves> {
+    /// The feature curve.
+    ///
+    /// # Errors
+    /// Names the point or value.
+    pub fn curves(&self) -> Result<Curves> {
         let reach = extent(0.5 * self.drop.0, self.angle.0);
         let up = if self.high == Side::Left { self.angle.0 } else { -self.angle.0 };
         let slope = Slope { left_extent: reach, right_extent: reach, left_angle: up, right_angle: -up };

@@ -1,6 +1,6 @@
 //! A crack, from few numbers.
 
-use crate::kit::curves::short::{self, curve, extent, Grain, Ground, places};
+use crate::kit::curves::short::{self, Grain, Ground, curve, extent, places};
 use crate::prelude::*;
 use crate::value::curves::Slope;
 
@@ -56,7 +56,8 @@ ports! {
 impl Node for Crack {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta = Meta::new().cite(&["hnaidi2010"]).keywords(&["crack", "gorge", "canyon", "rift", "ravine"]);
+    const META: Meta =
+        Meta::new().cite(&["hnaidi2010"]).keywords(&["crack", "gorge", "canyon", "rift", "ravine"]);
 
     fn reach(&self) -> Reach {
         Reach::Gridless
@@ -76,7 +77,11 @@ impl Node for Crack {
 }
 
 impl Crack {
-    fn curves(&self) -> Result<Curves> {
+    /// The feature curve.
+    ///
+    /// # Errors
+    /// Names the point or value.
+    pub fn curves(&self) -> Result<Curves> {
         let reach = extent(self.depth.0, self.angle.0);
         let walls = Slope {
             left_extent: reach,

@@ -1,6 +1,6 @@
 //! A hill, from few numbers.
 
-use crate::kit::curves::short::{self, apart, curve, Grain, Ground};
+use crate::kit::curves::short::{self, Grain, Ground, apart, curve};
 use crate::prelude::*;
 use crate::value::curves::Slope;
 
@@ -77,7 +77,11 @@ impl Node for Hill {
 }
 
 impl Hill {
-    fn curves(&self) -> Result<Curves> {
+    /// The feature curve.
+    ///
+    /// # Errors
+    /// Names the point or value.
+    pub fn curves(&self) -> Result<Curves> {
         let (points, heights) = apart(&self.through);
         let level = Slope {
             left_extent: self.extent.0,

@@ -1,6 +1,6 @@
 //! A ridge, from few numbers.
 
-use crate::kit::curves::short::{self, apart, curve, Grain, Ground};
+use crate::kit::curves::short::{self, Grain, Ground, apart, curve};
 use crate::prelude::*;
 use crate::value::curves::Slope;
 
@@ -64,7 +64,8 @@ ports! {
 impl Node for RidgeLine {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta = Meta::new().cite(&["hnaidi2010"]).keywords(&["ridge", "crest", "mountain", "arête", "spur"]);
+    const META: Meta =
+        Meta::new().cite(&["hnaidi2010"]).keywords(&["ridge", "crest", "mountain", "arête", "spur"]);
 
     fn reach(&self) -> Reach {
         Reach::Gridless
@@ -84,7 +85,11 @@ impl Node for RidgeLine {
 }
 
 impl RidgeLine {
-    fn curves(&self) -> Result<Curves> {
+    /// The feature curve.
+    ///
+    /// # Errors
+    /// Names the point or value.
+    pub fn curves(&self) -> Result<Curves> {
         let (points, heights) = apart(&self.through);
         let slope = Slope {
             left_extent: self.extent.0,

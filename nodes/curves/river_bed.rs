@@ -1,6 +1,6 @@
 //! A riverbed, from few numbers.
 
-use crate::kit::curves::short::{self, apart, curve, Grain, Ground};
+use crate::kit::curves::short::{self, Grain, Ground, apart, curve};
 use crate::prelude::*;
 use crate::value::curves::Slope;
 
@@ -37,8 +37,12 @@ pub struct RiverBed {
 
 impl Default for RiverBed {
     fn default() -> Self {
-        let through =
-            [[900.0, 1200.0, 260.0], [2900.0, 3300.0, 190.0], [4700.0, 4100.0, 140.0], [7600.0, 7000.0, 80.0]];
+        let through = [
+            [900.0, 1200.0, 260.0],
+            [2900.0, 3300.0, 190.0],
+            [4700.0, 4100.0, 140.0],
+            [7600.0, 7000.0, 80.0],
+        ];
         Self {
             through: through.map(|p| p.map(Metres)).to_vec(),
             width: Metres(80.0),
@@ -61,7 +65,8 @@ ports! {
 impl Node for RiverBed {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta = Meta::new().cite(&["hnaidi2010"]).keywords(&["river", "valley", "stream", "bed", "channel"]);
+    const META: Meta =
+        Meta::new().cite(&["hnaidi2010"]).keywords(&["river", "valley", "stream", "bed", "channel"]);
 
     fn reach(&self) -> Reach {
         Reach::Gridless
@@ -81,7 +86,11 @@ impl Node for RiverBed {
 }
 
 impl RiverBed {
-    fn curves(&self) -> Result<Curves> {
+    /// The feature curve.
+    ///
+    /// # Errors
+    /// Names the point or value.
+    pub fn curves(&self) -> Result<Curves> {
         let (points, heights) = apart(&self.through);
         let slope = Slope {
             left_extent: self.extent.0,
@@ -89,12 +98,8 @@ impl RiverBed {
             left_angle: self.bank.0,
             right_angle: self.bank.0,
         };
-        let ground = Ground {
-            radius: 0.5 * self.width.0,
-            slope: Some(slope),
-            grain: self.grain,
-            blend: self.blend.0,
-        };
+        let ground =
+            Ground { radius: 0.5 * self.width.0, slope: Some(slope), grain: self.grain, blend: self.blend.0 };
         curve("river bed", &points, Some(&heights), ground).map_err(Error::of_curves)
     }
 }

@@ -15,7 +15,7 @@ use super::plan::{chosen, warnings};
 use super::progress::{Mode, Progress};
 use super::report::Report;
 use super::tiles::{TileArgs, tiles};
-use crate::engine::{Engine, EngineError, Evaluation, Want};
+use crate::engine::{Engine, EngineError, Evaluation, Stage, TaskReport, Want};
 use crate::files::Format;
 use crate::graph::{Graph, Place};
 use crate::node::Cancel;
@@ -237,6 +237,10 @@ impl Build<'_> {
         self.progress.label("first look");
         let wants: Vec<_> = jobs.iter().map(|j| j.want(corner)).collect();
         let looks = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
+        // What runs on the base grid or on none runs here and not again; the few samples themselves are no news.
+        let lasting = |t: &&TaskReport| !matches!(t.stage, Stage::Run | Stage::Lift);
+        let lasting: Vec<TaskReport> = looks.tasks.iter().filter(lasting).cloned().collect();
+        report.tasks(&lasting, looks.peak_bytes, looks.planned_bytes);
         let mut ranged = Vec::new();
         for (job, value) in jobs.iter_mut().zip(&looks.values) {
             if let Ok(value) = value {

@@ -5,6 +5,7 @@ pub mod color;
 pub mod curve;
 pub mod curves;
 pub mod derivative;
+pub mod diffusion;
 pub mod distance;
 pub mod hash;
 pub mod math;

@@ -14,19 +14,22 @@ const NOISE: [f32; 3] = [0.35; 3];
 /// Points drawn on each curve for a pixel of the picture's side.
 const DENSITY: usize = 2;
 
+/// A place on a curve, and its height where it has one.
+type Point = ([f64; 2], Option<f64>);
+
 /// Curves seen from above, coloured by height from the lowest to the highest.
 pub(super) fn curves(curves: &Curves, side: usize) -> Picture {
     let steps = DENSITY * side;
     let at = |k: usize| k as f64 / steps as f64;
-    let points: Vec<([f64; 2], Option<f64>)> = curves
+    let points: Vec<Point> = curves
         .iter()
         .flat_map(|c| (0..=steps).map(move |k| (c.point(at(k)), c.height(at(k)))))
         .collect();
-    let span = |of: &dyn Fn(&([f64; 2], Option<f64>)) -> Option<f64>| {
+    let span = |of: fn(&Point) -> Option<f64>| {
         let all = points.iter().filter_map(of);
         all.fold([f64::MAX, f64::MIN], |[lo, hi], v| [lo.min(v), hi.max(v)])
     };
-    let (x, y, z) = (span(&|p| Some(p.0[0])), span(&|p| Some(p.0[1])), span(&|p| p.1));
+    let (x, y, z) = (span(|p| Some(p.0[0])), span(|p| Some(p.0[1])), span(|p| p.1));
     let extent = (x[1] - x[0]).max(y[1] - y[0]).max(1e-6) * 1.1;
     let shade = Shade::new(z);
     let mut canvas = vec![GROUND; side * side];

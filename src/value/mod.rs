@@ -7,7 +7,7 @@ mod raster;
 mod terrain;
 
 pub use constraints::{Constraints, Mark, Planes};
-pub use curves::{Curve, Curves};
+pub use curves::{Curve, CurveSpec, Curves};
 pub use grid::{Bounds, Grid, Lattice};
 pub use raster::{Colors, Field, Quantity, Raster, Sample, Vectors};
 pub use terrain::{Geo, MAX_BASE, MAX_EXTENT, MAX_SIZE, MIN_SIZE, Terrain};

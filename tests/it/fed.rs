@@ -92,7 +92,7 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
 }
 
 fn is_share(port: &str) -> bool {
-    matches!(port, "mask" | "roughness" | "shade" | "amount")
+    matches!(port, "mask" | "known" | "roughness" | "shade" | "amount")
 }
 
 /// All outputs of the node, or the first failure.

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod cli;
+mod curves;
+mod diffusion;
 mod engine;
 mod fed;
 mod files;

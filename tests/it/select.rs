@@ -158,7 +158,11 @@ fn a_tile_equals_the_crop_of_the_whole() {
     let tiles = [([-30, 200], [1, 1]), ([-7, 211], [33, 17]), ([40, 203], [65, 5]), ([55, 240], [65, 81])];
     for case in cases() {
         let all = case.run(&terrain, whole, &ground);
-        assert!(all.iter().all(|(_, v)| v.grid() == Some(&whole)), "{}: outputs stand on the grid", case.label);
+        assert!(
+            all.iter().all(|(_, v)| v.grid() == Some(&whole)),
+            "{}: outputs stand on the grid",
+            case.label
+        );
         for (corner, size) in tiles {
             let tile = window(&terrain, 257, corner, size);
             same(&case.label, &case.run(&terrain, tile, &ground), &all, &tile);

@@ -9,7 +9,9 @@ use crate::value::curves::bezier::{Point, add, sub};
 use crate::value::curves::{Curve, CurveError, Track, Tracks};
 
 /// Which way curves are mirrored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Mirror {
     /// Not at all.

@@ -28,7 +28,7 @@ pub struct Keys {
     pub slope: Vec<(f64, [f64; 4])>,
     /// `u`, A, R.
     pub noise: Vec<(f64, [f64; 2])>,
-    /// `u`, l_l, l_r.
+    /// `u`, `l_l`, `l_r`.
     pub envelope: Vec<(f64, [f64; 2])>,
 }
 
@@ -41,7 +41,9 @@ impl Keys {
             envelope: track("envelope", &ENVELOPE, self.envelope)?,
         };
         if tracks == Tracks::default() {
-            return Err(Fault::new("has no constraint; at least one point with height, slope, noise or envelope"));
+            return Err(Fault::new(
+                "has no constraint; at least one point with height, slope, noise or envelope",
+            ));
         }
         Ok(tracks)
     }
@@ -162,7 +164,7 @@ fn check_knots(knots: &[Point]) -> Result<(), Fault> {
     if pieces > MAX_PIECES {
         return Err(Fault(format!("may have {MAX_PIECES} pieces, got {pieces}")));
     }
-    let out = |p: &Point| p.iter().any(|x| !(x.abs() <= MAX_COORDINATE));
+    let out = |p: &Point| !p.iter().all(|x| x.abs() <= MAX_COORDINATE);
     match knots.iter().position(out) {
         Some(i) => {
             Err(Fault(format!("point {i} must lie within {MAX_COORDINATE} m of zero, got {:?}", knots[i])))

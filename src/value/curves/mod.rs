@@ -8,7 +8,7 @@
 //! | elevation | height h (m), radius r of the plateau on both sides (m) |
 //! | slope | extents a to the left and b to the right, from the edge of the plateau (m); angles θ left and φ right (degrees), positive where the ground rises away from the curve |
 //! | noise | amplitude A (m), roughness R (0 to 1) |
-//! | envelope | widths l_l and l_r of the smoothed strip beyond the slopes (m) |
+//! | envelope | widths `l_l` and `l_r` of the smoothed strip beyond the slopes (m) |
 //!
 //! **Left and right** are those of somebody who walks along growing `u` and looks ahead: on a curve to the east, left
 //! is north. Since y grows to the south, left of the heading `(tx, ty)` is `(ty, −tx)`.
@@ -32,6 +32,7 @@ mod track;
 use std::sync::Arc;
 
 use bezier::{Cubic, Point};
+pub use build::Keys;
 pub use error::{CurveError, Fault};
 pub use spec::CurveSpec;
 pub use track::{Profile, Rise, Track, hermite_value};
@@ -87,9 +88,9 @@ pub struct Noise {
 /// How far beyond the slopes the ground is smoothed into an existing terrain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Envelope {
-    /// Width l_l on the left, in metres.
+    /// Width `l_l` on the left, in metres.
     pub left: f64,
-    /// Width l_r on the right, in metres.
+    /// Width `l_r` on the right, in metres.
     pub right: f64,
 }
 
@@ -141,7 +142,7 @@ pub struct Tracks {
     pub slope: Option<Track<4>>,
     /// A and R.
     pub noise: Option<Track<2>>,
-    /// l_l and l_r.
+    /// `l_l` and `l_r`.
     pub envelope: Option<Track<2>>,
 }
 
@@ -291,14 +292,16 @@ impl Curve {
     /// Bytes in memory.
     pub fn bytes(&self) -> u64 {
         let keys = self.tracks.places().len();
-        (size_of::<Self>() + self.name.len() + 16 * self.knots.len() + 8 * self.ends.len() + 200 * keys) as u64
+        (size_of::<Self>() + self.name.len() + 16 * self.knots.len() + 8 * self.ends.len() + 200 * keys)
+            as u64
     }
 }
 
 impl Tracks {
     /// Every `u` at which a group is set, rising.
     pub fn places(&self) -> Vec<f64> {
-        let us = |t: &Option<Track<2>>| t.iter().flat_map(|t| t.keys().iter().map(|k| k.0)).collect::<Vec<_>>();
+        let us =
+            |t: &Option<Track<2>>| t.iter().flat_map(|t| t.keys().iter().map(|k| k.0)).collect::<Vec<_>>();
         let mut all = us(&self.elevation);
         all.extend(us(&self.noise));
         all.extend(us(&self.envelope));

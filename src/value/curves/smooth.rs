@@ -55,9 +55,12 @@ fn distinct(points: &[Point]) -> Result<Vec<Point>, Fault> {
     if points.len() > MAX_PIECES + 1 {
         return Err(Fault(format!("may have {} points, got {}", MAX_PIECES + 1, points.len())));
     }
-    let out = |p: &Point| p.iter().any(|x| !(x.abs() <= MAX_COORDINATE));
+    let out = |p: &Point| !p.iter().all(|x| x.abs() <= MAX_COORDINATE);
     if let Some(i) = points.iter().position(out) {
-        return Err(Fault(format!("point {i} must lie within {MAX_COORDINATE} m of zero, got {:?}", points[i])));
+        return Err(Fault(format!(
+            "point {i} must lie within {MAX_COORDINATE} m of zero, got {:?}",
+            points[i]
+        )));
     }
     let mut kept = points.to_vec();
     kept.dedup();

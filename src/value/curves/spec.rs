@@ -7,7 +7,6 @@ use super::bezier::Point;
 use super::build::Keys;
 use super::{Curve, Fault, Rise, Track, smooth};
 
-
 /// One feature curve as a graph file holds it. Lists are flat and in metres, degrees and shares.
 ///
 /// The line itself stands in one of `bezier`, `through` or `line`; of `height`, `slope`, `noise` and `envelope` at

@@ -24,9 +24,8 @@ impl Arc {
             return Vec::new();
         }
         if !(rx > 0.0 && ry > 0.0) {
-            let third = |k: f64| -> Point {
-                std::array::from_fn(|i| self.from[i] + (self.to[i] - self.from[i]) * k)
-            };
+            let third =
+                |k: f64| -> Point { std::array::from_fn(|i| self.from[i] + (self.to[i] - self.from[i]) * k) };
             return vec![[third(1.0 / 3.0), third(2.0 / 3.0), self.to]];
         }
         let (sin, cos) = libm::sincos(self.rotation.to_radians());

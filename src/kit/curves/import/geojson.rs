@@ -1,4 +1,4 @@
-//! Lines of GeoJSON files.
+//! Lines of `GeoJSON` files.
 
 use serde_json::Value as Json;
 
@@ -37,7 +37,15 @@ pub fn read(text: &str, place: &Place, mapping: &Mapping) -> Result<Imported, Cu
     check_size(text)?;
     let json: Json =
         serde_json::from_str(text).map_err(|e| CurveError::file("GeoJSON", format!("is not JSON: {e}")))?;
-    let mut reader = Reader { place, mapping, curves: Vec::new(), budget: Budget::default(), others: 0, bare: 0, degrees: true };
+    let mut reader = Reader {
+        place,
+        mapping,
+        curves: Vec::new(),
+        budget: Budget::default(),
+        others: 0,
+        bare: 0,
+        degrees: true,
+    };
     match json["type"].as_str() {
         Some("FeatureCollection") => {
             let Some(features) = json["features"].as_array() else {
@@ -77,7 +85,13 @@ impl Reader<'_> {
         self.geometry(geometry, feature, place, 0)
     }
 
-    fn geometry(&mut self, geometry: &Json, feature: &Json, place: &str, depth: u32) -> Result<(), CurveError> {
+    fn geometry(
+        &mut self,
+        geometry: &Json,
+        feature: &Json,
+        place: &str,
+        depth: u32,
+    ) -> Result<(), CurveError> {
         let list = |key: &str| {
             let missing = || CurveError::file(place, format!("must have a list `{key}`"));
             geometry[key].as_array().ok_or_else(missing)
@@ -178,9 +192,14 @@ fn property(json: &Json, name: &str) -> Result<Option<Property>, String> {
     match json {
         Json::Null => Ok(None),
         Json::Number(n) => n.as_f64().map(Property::Number).map(Some).ok_or_else(bad),
-        Json::String(text) => {
-            text.trim().parse().ok().filter(|v: &f64| v.is_finite()).map(Property::Number).map(Some).ok_or_else(bad)
-        }
+        Json::String(text) => text
+            .trim()
+            .parse()
+            .ok()
+            .filter(|v: &f64| v.is_finite())
+            .map(Property::Number)
+            .map(Some)
+            .ok_or_else(bad),
         Json::Array(items) => {
             let numbers: Option<Vec<f64>> = items.iter().map(Json::as_f64).collect();
             numbers.map(Property::List).map(Some).ok_or_else(bad)

@@ -1,4 +1,4 @@
-//! Curves from files of other programs: SVG paths and GeoJSON lines.
+//! Curves from files of other programs: SVG paths and `GeoJSON` lines.
 
 mod arc;
 pub mod geojson;

@@ -2,9 +2,9 @@
 
 use std::str::FromStr as _;
 
+use roxmltree::{Document, Node, ParsingOptions};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use roxmltree::{Document, Node, ParsingOptions};
 use svgtypes::{Length, PathParser, PathSegment, TransformListParser, TransformListToken, ViewBox};
 
 use super::arc::Arc;
@@ -146,7 +146,7 @@ impl Reader<'_> {
 
     fn element(&mut self, node: &Node<'_, '_>, name: &str, place: &Affine) -> Result<(), CurveError> {
         let bad = |message: String| CurveError::file(named(node), message);
-        let number = |key: &str| match node.attribute(key).map(|t| Length::from_str(t)) {
+        let number = |key: &str| match node.attribute(key).map(Length::from_str) {
             None => Ok(0.0),
             Some(Ok(length)) => Ok(length.number),
             Some(Err(e)) => Err(bad(format!("`{key}` must be a number: {e}"))),
@@ -169,7 +169,9 @@ impl Reader<'_> {
                     points.extend(points.first().copied());
                 }
                 let mut knots: Vec<_> = points.first().copied().into_iter().collect();
-                knots.extend(points.windows(2).flat_map(|w| Cubic::straight(w[0], w[1]).0.into_iter().skip(1)));
+                knots.extend(
+                    points.windows(2).flat_map(|w| Cubic::straight(w[0], w[1]).0.into_iter().skip(1)),
+                );
                 vec![knots]
             }
             _ => return Ok(()),

@@ -1,8 +1,8 @@
 //! What one curve, and then all curves together, say about one cell.
 
 use super::ribbon::{Part, Ribbon};
-use super::shape::{Kind, Spot};
-use crate::value::curves::bezier::{Point, norm};
+use super::shape::{Kind, LEFT, RIGHT, Spot};
+use crate::value::curves::bezier::{dot, left_of, norm};
 
 /// Height, amplitude and roughness.
 type Values = [f64; 3];
@@ -28,29 +28,23 @@ struct Branch {
     last: f64,
 }
 
-/// Number of no part.
-const NONE: u32 = u32::MAX;
-
-/// The nearest of the parts of one curve whose slopes hold a cell.
+/// The gradient of the nearest of the parts of one curve whose slopes hold a cell; of parts that are equally near
+/// the sums. Small, since it is what filling a tile spends its time on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
     distance: f64,
-    part: u32,
-    /// The last one that is as near.
-    tie: u32,
+    away: [f32; 2],
+    steepness: f32,
+    ties: f32,
 }
 
-/// What all curves say about a cell.
+/// What the plateaus of all curves say about a cell: sums and how many.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outcome {
     pub(super) height: f64,
     pub(super) noise: [f64; 2],
     pub(super) heights: f32,
     pub(super) noises: f32,
-    pub(super) direction: [f32; 2],
-    pub(super) steepness: f32,
-    /// Curves whose slopes reach here.
-    pub(super) slopes: u32,
 }
 
 /// How much longer than the farther of two distances the way between two feet may be for both to be one branch: a
@@ -70,6 +64,34 @@ pub(super) enum Reach {
     Both,
 }
 
+impl Part {
+    /// The spot of a cell that is right beside a segment, beyond its plateau and on its slope; the short way for what
+    /// `locate` and `reach` find for it, too.
+    #[inline(always)]
+    pub(super) fn plain_slope(&self, at: [f64; 2], slack: f64) -> Option<Spot> {
+        let shape = &self.shape;
+        if shape.kind != Kind::Segment {
+            return None;
+        }
+        let n = left_of(shape.heading);
+        let (along, aside) = (dot(shape.heading, at), dot(n, at));
+        let share = along * shape.per_length;
+        let distance = aside.abs();
+        let left = aside >= 0.0;
+        let side = if left { LEFT } else { RIGHT };
+        let radius = self.radius.at(share);
+        let extent = self.extent[side].at(share);
+        let inside = along >= 0.0 && share <= 1.0;
+        let beyond = distance > radius.max(self.thin) + slack;
+        // Where it touches the edge the long way decides.
+        if !(inside && beyond && extent > slack && distance - radius <= extent) {
+            return None;
+        }
+        let away = if left { n } else { [-n[0], -n[1]] };
+        Some(Spot { share, distance, side, away, at_corner: false })
+    }
+}
+
 impl Ribbon {
     /// What a part is to a cell at a spot.
     #[inline(always)]
@@ -77,7 +99,10 @@ impl Ribbon {
         let d = spot.distance;
         let radius = part.radius.at(spot.share);
         let dot = part.shape.kind == Kind::Dot;
-        let flat = self.is_strict() && (d <= radius.max(part.thin) + slack || dot);
+        // From a corner the nearest cell of a column or row may be farther than from a line.
+        let thin =
+            if spot.at_corner { part.half / spot.away[0].abs().max(spot.away[1].abs()) } else { part.thin };
+        let flat = self.is_strict() && (d <= radius.max(thin) + slack || dot);
         if flat && (self.has_height || dot) {
             return Reach::Plateau;
         }
@@ -92,46 +117,54 @@ impl Ribbon {
         }
     }
 
-    /// Direction away from the curve and steepness where one or two parts are nearest: of two what both say along
-    /// their common direction. `None` where they contradict each other.
-    pub(super) fn gradient(&self, nearest: &Nearest, at: impl Fn(&Part) -> Point) -> Option<(Point, f64)> {
-        let one = |number: u32| {
-            let part = &self.parts[number as usize];
-            let spot = part.shape.locate(at(part))?;
-            let extent = part.extent[spot.side].at(spot.share);
-            let fade = 1.0 - (spot.distance - part.radius.at(spot.share)) / extent;
-            Some((spot.away, part.steepness[spot.side].at(spot.share) * fade.clamp(0.0, 1.0)))
-        };
-        let (away, steepness) = one(nearest.part)?;
-        if nearest.tie == NONE {
-            return Some((away, steepness));
-        }
-        let (other, also) = one(nearest.tie)?;
-        let sum = [away[0] + other[0], away[1] + other[1]];
-        let length = norm(sum);
-        (length > 1e-9).then(|| (sum.map(|x| x / length), 0.25 * length * (steepness + also)))
+    /// Steepness at a spot on the slope of a part.
+    #[inline(always)]
+    pub(super) fn steepness(part: &Part, spot: &Spot) -> f64 {
+        let fade = 1.0 - (spot.distance - part.radius.at(spot.share)) / part.extent[spot.side].at(spot.share);
+        part.steepness[spot.side].at(spot.share) * fade.clamp(0.0, 1.0)
     }
 }
 
 impl Nearest {
     /// No part yet.
-    pub(super) const NOTHING: Self = Self { distance: f64::INFINITY, part: NONE, tie: NONE };
+    pub(super) const NOTHING: Self =
+        Self { distance: f64::INFINITY, away: [0.0; 2], steepness: 0.0, ties: 0.0 };
 
     /// Whether there is a part.
     #[inline(always)]
     pub(super) fn is_some(&self) -> bool {
-        self.part != NONE
+        self.ties > 0.0
     }
 
-    /// Takes up a part at a distance.
+    /// Takes up what a part says at a spot.
     #[inline(always)]
-    pub(super) fn meet(&mut self, distance: f64, part: u32, slack: f64) {
-        if distance < self.distance - slack {
-            *self = Self { distance, part, tie: NONE };
-        } else if distance <= self.distance + slack {
-            self.distance = self.distance.min(distance);
-            self.tie = part;
+    pub(super) fn meet(&mut self, part: &Part, spot: &Spot, slack: f64) {
+        if spot.distance > self.distance + slack {
+            return;
         }
+        let steepness = Ribbon::steepness(part, spot) as f32;
+        let away = spot.away.map(|x| x as f32);
+        if spot.distance < self.distance - slack {
+            *self = Self { distance: spot.distance, away, steepness, ties: 1.0 };
+        } else {
+            self.distance = self.distance.min(spot.distance);
+            self.away = [self.away[0] + away[0], self.away[1] + away[1]];
+            self.steepness += steepness;
+            self.ties += 1.0;
+        }
+    }
+
+    /// Direction and steepness, both times `sign`, of the equally near parts together: what each says along their
+    /// common direction; `None` where they contradict each other.
+    #[inline]
+    pub(super) fn mean(&self, sign: f32) -> Option<([f32; 2], f32)> {
+        if self.ties == 1.0 {
+            return Some((self.away.map(|x| sign * x), sign * self.steepness));
+        }
+        let length = norm(self.away.map(f64::from)) as f32;
+        let share = length / self.ties;
+        let steepness = sign * self.steepness / self.ties * share;
+        (share > 1e-6).then(|| (self.away.map(|x| sign * x / length), steepness))
     }
 }
 
@@ -188,16 +221,6 @@ impl Strict {
 impl Outcome {
     /// Whether no curve has said anything yet.
     pub(super) fn is_new(&self) -> bool {
-        self.slopes == 0 && self.heights == 0.0 && self.noises == 0.0
-    }
-
-    /// Takes up the gradient of a curve; without an elevation the curve gives no height that could flow away from it,
-    /// and both direction and steepness are turned round.
-    pub(super) fn slope(&mut self, ribbon: &Ribbon, gradient: Option<(Point, f64)>) {
-        self.slopes += 1;
-        let (direction, steepness) = gradient.unwrap_or(([0.0; 2], 0.0));
-        let sign = if ribbon.has_height { 1.0 } else { -1.0 };
-        self.direction = direction.map(|x| (sign * x) as f32);
-        self.steepness = (sign * steepness) as f32;
+        self.heights == 0.0 && self.noises == 0.0
     }
 }

@@ -90,9 +90,23 @@ pub fn rasterise(
     };
     if n > 0 {
         let xs = grid.xs();
-        let scene = tile::Scene { grid, xs: &xs, ready: &ready, strips: &strips, rims: &rims, options };
+        let ys: Vec<f64> = (0..grid.rows).map(|j| grid.y(j)).collect();
+        let scene = tile::Scene {
+            grid,
+            per_cell: 1.0 / cell,
+            xs: &xs,
+            ys: &ys,
+            ready: &ready,
+            strips: &strips,
+            rims: &rims,
+            options,
+        };
         let done = Band::split(&mut planes, grid).into_par_iter().try_for_each(|mut band| {
-            if stop() { None } else { Some(scene.band(&mut band)) }
+            if stop() {
+                return None;
+            }
+            scene.band(&mut band);
+            Some(())
         });
         done.ok_or(CurveError::Cancelled)?;
     }
@@ -105,8 +119,11 @@ fn prepare(
     cell: f64,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<(Ribbon, Vec<Rim>)>, CurveError> {
-    let too_many =
-        || CurveError::TooMany { what: "corners of curves", most: MAX_CORNERS as u64, found: MAX_CORNERS as u64 + 1 };
+    let too_many = || CurveError::TooMany {
+        what: "corners of curves",
+        most: MAX_CORNERS as u64,
+        found: MAX_CORNERS as u64 + 1,
+    };
     let mut ready = Vec::with_capacity(curves.len());
     let mut corners = 0;
     // In blocks, so that too many are noticed before all of them are in memory.

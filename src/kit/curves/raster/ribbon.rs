@@ -1,6 +1,6 @@
 //! A curve made ready for the raster: its parts of the ground with the values that hold there.
 
-use super::shape::{Kind, LEFT, RIGHT, Shape};
+use super::shape::{Bend, Kind, LEFT, RIGHT, Shape};
 use crate::kit::curves::flatten::Vertex;
 use crate::value::Curve;
 use crate::value::curves::bezier::{Point, norm, sub, times};
@@ -61,6 +61,8 @@ pub(super) struct Part {
     pub(super) arc: f64,
     /// Half the width of the thinnest line of cells that holds together, in metres.
     pub(super) thin: f64,
+    /// Half a cell, in metres.
+    pub(super) half: f64,
     pub(super) radius: Linear,
     pub(super) extent: [Linear; 2],
     pub(super) steepness: [Steepness; 2],
@@ -116,6 +118,17 @@ pub(super) fn legs(line: &[Vertex]) -> Vec<Leg> {
     legs
 }
 
+/// The bends before, between and after segments; `None` where one is so sharp that it needs a sector of its own.
+fn joins(legs: &[Leg], closed: bool) -> Vec<Option<Bend>> {
+    let straight = Some(Bend::default());
+    let around = match (legs.first(), legs.last()) {
+        (Some(first), Some(last)) if closed => Bend::between(last.heading, first.heading),
+        _ => straight,
+    };
+    let between = legs.windows(2).map(|w| Bend::between(w[0].heading, w[1].heading));
+    std::iter::once(around).chain(between).chain(std::iter::once(around)).collect()
+}
+
 /// The axis that a heading follows most, and its direction along it.
 fn course([x, y]: Point) -> (bool, bool) {
     let flat = x.abs() >= y.abs();
@@ -141,20 +154,27 @@ impl Ribbon {
             return ribbon;
         }
         let legs = legs(line);
-        let builder = Builder { curve, cell, slack: super::SLACK * cell };
         let strict = ribbon.is_strict();
+        // Half the diagonal of a cell.
+        let least = if strict { 0.708 * cell } else { 0.0 };
+        let builder = Builder { curve, cell, slack: super::SLACK * cell, least };
         let (Some(first), Some(last)) = (legs.first(), legs.last()) else { return ribbon };
         ribbon.parts.reserve(2 * legs.len() + 2);
         let closed = curve.is_closed();
         if strict && !closed {
             ribbon.parts.extend(builder.dot(&first.from));
         }
+        let joins = joins(&legs, closed);
         for (i, leg) in legs.iter().enumerate() {
-            ribbon.parts.extend(builder.segment(leg));
+            ribbon
+                .parts
+                .extend(builder.segment(leg, [joins[i], joins[i + 1]].map(Option::unwrap_or_default)));
             let next = legs.get(i + 1).or(closed.then_some(first));
             if let Some(next) = next {
-                ribbon.parts.extend(builder.sector(leg, next));
-                if strict && course(leg.heading) != course(next.heading) {
+                if joins[i + 1].is_none() {
+                    ribbon.parts.extend(builder.sector(leg, next));
+                }
+                if strict && (joins[i + 1].is_none() || course(leg.heading) != course(next.heading)) {
                     ribbon.parts.extend(builder.dot(&leg.to));
                 }
             }
@@ -170,6 +190,8 @@ struct Builder<'a> {
     curve: &'a Curve,
     cell: f64,
     slack: f64,
+    /// Least width of a part, so that it holds the thinnest line.
+    least: f64,
 }
 
 impl Builder<'_> {
@@ -182,9 +204,10 @@ impl Builder<'_> {
         }
     }
 
-    /// Half the width at which a line of this heading takes one cell of every column, or of every row.
+    /// Half the width at which a line of this heading takes at least one cell of every column, or of every row: half a
+    /// cell, and a little more, since at a gentle bend the nearest cell of a column may lose its foot to the neighbour.
     fn thin(&self, [x, y]: Point) -> f64 {
-        0.5 * self.cell * x.abs().max(y.abs())
+        0.53 * self.cell * x.abs().max(y.abs())
     }
 
     fn part(&self, shape: Shape, thin: f64, from: &Vertex, to: &Vertex) -> Part {
@@ -201,30 +224,28 @@ impl Builder<'_> {
             shape,
             arc: from.arc,
             thin,
+            half: 0.5 * self.cell,
             radius: pair(|s| s.radius),
             extent: [pair(|s| s.slope[0]), pair(|s| s.slope[1])],
-            steepness: [
-                Steepness::new([a.slope[2], b.slope[2]]),
-                Steepness::new([a.slope[3], b.slope[3]]),
-            ],
+            steepness: [Steepness::new([a.slope[2], b.slope[2]]), Steepness::new([a.slope[3], b.slope[3]])],
             height,
             height_slope,
             noise: [pair(|s| s.noise[0]), pair(|s| s.noise[1])],
         }
     }
 
-    fn segment(&self, leg: &Leg) -> Option<Part> {
+    fn segment(&self, leg: &Leg, bends: [Bend; 2]) -> Option<Part> {
         let thin = self.thin(leg.heading);
         let (a, b) = (self.station(leg.from.u), self.station(leg.to.u));
-        let width = |side: usize| [a, b].map(|s| (s.radius + s.slope[side]).max(thin));
-        let shape = Shape::segment(leg.from.at, leg.to.at, [width(LEFT), width(RIGHT)], self.slack)?;
+        let width = |side: usize| [a, b].map(|s| (s.radius + s.slope[side]).max(self.least));
+        let shape = Shape::segment(leg.from.at, leg.to.at, [width(LEFT), width(RIGHT)], bends, self.slack)?;
         Some(self.part(shape, thin, &leg.from, &leg.to))
     }
 
     fn sector(&self, leg: &Leg, next: &Leg) -> Option<Part> {
         let thin = self.thin(leg.heading).max(self.thin(next.heading));
         let s = self.station(leg.to.u);
-        let reach = [LEFT, RIGHT].map(|side| (s.radius + s.slope[side]).max(thin));
+        let reach = [LEFT, RIGHT].map(|side| (s.radius + s.slope[side]).max(self.least));
         let shape = Shape::sector(leg.to.at, leg.heading, next.heading, reach, self.slack)?;
         Some(self.part(shape, thin, &leg.to, &leg.to))
     }
@@ -272,11 +293,15 @@ impl Rim {
         let (Some(first), Some(last)) = (legs.first(), legs.last()) else { return Vec::new() };
         let closed = curve.is_closed();
         let mut rims = Vec::with_capacity(2 * legs.len() + 2);
+        let joins = joins(&legs, closed);
         for (i, leg) in legs.iter().enumerate() {
             let (a, b) = (leg.from.u, leg.to.u);
             let sides = [LEFT, RIGHT].map(|k| [reach(a, k), reach(b, k)]);
-            rims.extend(Shape::segment(leg.from.at, leg.to.at, sides, slack).map(|s| rim(s, [a, b], 0.0)));
-            if let Some(next) = legs.get(i + 1).or(closed.then_some(first)) {
+            let bends = [joins[i], joins[i + 1]].map(Option::unwrap_or_default);
+            let shape = Shape::segment(leg.from.at, leg.to.at, sides, bends, slack);
+            rims.extend(shape.map(|s| rim(s, [a, b], 0.0)));
+            let next = legs.get(i + 1).or(closed.then_some(first));
+            if let (Some(next), None) = (next, joins[i + 1]) {
                 let around = [LEFT, RIGHT].map(|k| reach(b, k));
                 let shape = Shape::sector(leg.to.at, leg.heading, next.heading, around, slack);
                 rims.extend(shape.map(|s| rim(s, [b, b], 0.0)));
@@ -290,7 +315,9 @@ impl Rim {
                 // Looking out of the start, left and right change places.
                 let side = |k: usize| if swapped { 1 - k } else { k };
                 let sides = [LEFT, RIGHT].map(|k| [reach(end.u, side(k)); 2]);
-                let Some(shape) = Shape::segment(end.at, tip, sides, slack) else { continue };
+                let Some(shape) = Shape::segment(end.at, tip, sides, Default::default(), slack) else {
+                    continue;
+                };
                 let mut cap = rim(shape, [end.u, end.u], length);
                 if swapped {
                     cap.reach.swap(LEFT, RIGHT);
@@ -306,8 +333,7 @@ impl Rim {
     /// inwards; without a feather 1 right from the edge.
     pub(super) fn weight(&self, p: Point, feather: f64, slack: f64) -> f64 {
         let Some(spot) = self.shape.locate(p) else { return 0.0 };
-        let (reach, width) =
-            (self.reach[spot.side].at(spot.share), self.width[spot.side].at(spot.share));
+        let (reach, width) = (self.reach[spot.side].at(spot.share), self.width[spot.side].at(spot.share));
         let (depth, width) = if self.cap > 0.0 && self.shape.kind == Kind::Segment {
             let along = spot.share;
             let aside = if reach > 0.0 { spot.distance / reach } else { 0.0 };

@@ -20,28 +20,55 @@ pub(super) const LEFT: usize = 0;
 /// Number of the right side.
 pub(super) const RIGHT: usize = 1;
 
-/// A straight border, `a x + b y + c ≥ 0`, relative to the start of the shape.
-#[derive(Clone, Copy, Debug, Default)]
+/// A border: `a x + b y + c ≥ 0` for one of two lines, relative to the start of the shape.
+#[derive(Clone, Copy, Debug)]
 struct Border {
-    a: f64,
-    b: f64,
+    lines: [Line; 2],
+    /// Whether a scan line crosses both lines in the same direction, so that it says where the border is.
+    crosses: bool,
+}
+
+/// `a x + b y + c`, ready for scan lines along one of the axes.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    normal: Point,
     c: f64,
-    /// Where it crosses a row y is `slope · y + at`.
+    /// A scan line at `v` across the axis crosses it at `slope · v + at` along it.
     slope: f64,
     at: f64,
-    /// Whether it is too near to a row's direction to say where it crosses.
-    flat: bool,
+}
+
+impl Line {
+    fn new(axis: usize, normal: Point, c: f64) -> Self {
+        let (along, across) = (normal[axis], normal[1 - axis]);
+        Self { normal, c, slope: -across / along, at: -c / along }
+    }
+
+    /// Whether it is too near to the direction of a scan line to say where it crosses.
+    fn is_flat(&self, axis: usize) -> bool {
+        self.normal[axis].abs() <= 1e-7 * self.normal[1 - axis].abs() || self.normal[axis] == 0.0
+    }
+
+    fn at(&self, p: Point) -> f64 {
+        dot(self.normal, p) + self.c
+    }
 }
 
 impl Border {
-    fn new(a: f64, b: f64, c: f64) -> Self {
-        let flat = a.abs() <= 1e-7 * b.abs() || a == 0.0;
-        let (slope, at) = if flat { (0.0, 0.0) } else { (-b / a, -c / a) };
-        Self { a, b, c, slope, at, flat }
+    fn new(axis: usize, normal: Point, c: f64) -> Self {
+        Self::either(axis, [Line::new(axis, normal, c); 2])
     }
 
-    fn at(&self, [x, y]: Point) -> f64 {
-        self.a * x + self.b * y + self.c
+    /// What is on the inner side of one of two lines at least.
+    fn either(axis: usize, lines: [Line; 2]) -> Self {
+        let [p, q] = lines;
+        let same = (p.normal[axis] > 0.0) == (q.normal[axis] > 0.0);
+        Self { lines, crosses: !p.is_flat(axis) && !q.is_flat(axis) && same }
+    }
+
+    /// No border at all.
+    fn none() -> Self {
+        Self::new(0, [0.0; 2], 1.0)
     }
 }
 
@@ -49,6 +76,8 @@ impl Border {
 #[derive(Clone, Debug)]
 pub(super) struct Shape {
     pub(super) kind: Kind,
+    /// The axis that scan lines go along: that of its longer side, so that there are few. 0 for rows, 1 for columns.
+    pub(super) axis: usize,
     /// Start of the segment, or the corner.
     pub(super) from: Point,
     /// Heading of the segment; at a corner that of the segment before.
@@ -57,8 +86,10 @@ pub(super) struct Shape {
     next: Point,
     pub(super) length: f64,
     /// One over the length.
-    per_length: f64,
+    pub(super) per_length: f64,
     borders: [Border; 4],
+    /// At the start and end of a segment, what it has of the sector beyond.
+    bends: [Bend; 2],
     /// Radius that contains a sector.
     reach: f64,
     /// Bounds relative to `from`.
@@ -66,6 +97,29 @@ pub(super) struct Shape {
     pub(super) max: Point,
     /// What counts as touching, in metres.
     slack: f64,
+}
+
+/// Half of the narrow sector beyond an end of a segment, at the outside of the bend there. The other half belongs to
+/// the neighbour, which saves going through many thin sectors of their own.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Bend {
+    /// 1 where the outside is the left, −1 where it is the right, 0 where there is no bend.
+    out: f64,
+    /// Tangent of half the turn.
+    tan: f64,
+}
+
+/// Sharpest turn, as a tangent of its half, that is shared by its neighbours: 12°.
+const GENTLE: f64 = 0.105;
+
+impl Bend {
+    /// The bend between two headings; `None` where it is so sharp that it needs a sector of its own.
+    pub(super) fn between(t: Point, next: Point) -> Option<Self> {
+        let (turn, cos) = (dot(left_of(t), next), dot(t, next));
+        let tan = turn.abs() / (1.0 + cos);
+        let gentle = cos > 0.0 && tan <= GENTLE;
+        gentle.then_some(Self { out: if turn > 0.0 { -1.0 } else { 1.0 }, tan })
+    }
 }
 
 /// Where a point stands on a shape.
@@ -78,11 +132,19 @@ pub(super) struct Spot {
     pub(super) side: usize,
     /// Direction away from the curve; zero on it.
     pub(super) away: Point,
+    /// Whether its foot is a corner, seen from the outside of the bend.
+    pub(super) at_corner: bool,
 }
 
 impl Shape {
-    /// The ground beside a segment; its widths at start and end on the left and right.
-    pub(super) fn segment(from: Point, to: Point, widths: [[f64; 2]; 2], slack: f64) -> Option<Self> {
+    /// The ground beside a segment; its widths at start and end on the left and right, and the bends there.
+    pub(super) fn segment(
+        from: Point,
+        to: Point,
+        widths: [[f64; 2]; 2],
+        bends: [Bend; 2],
+        slack: f64,
+    ) -> Option<Self> {
         let along = sub(to, from);
         let length = norm(along);
         if length <= 0.0 {
@@ -91,23 +153,58 @@ impl Shape {
         let t = times(along, 1.0 / length);
         let n = left_of(t);
         let [[l0, l1], [r0, r1]] = widths;
+        let longer = if length > l0.max(l1) + r0.max(r1) { t } else { n };
+        let axis = usize::from(longer[1].abs() > longer[0].abs());
         let (l, r) = ((l1 - l0) / length, (r1 - r0) / length);
+        // How far the half sectors lean out.
+        let lean = |b: &Bend| b.tan * if b.out > 0.0 { l0.max(l1) } else { r0.max(r1) };
+        let lean = [lean(&bends[0]), lean(&bends[1])];
+        let most = lean[0].max(lean[1]);
+        let end = |k: usize, sign: f64, c: f64| {
+            let b = bends[k];
+            let lean = b.tan * b.out;
+            let square = Line::new(axis, times(t, sign), c);
+            let leaning = Line::new(axis, [sign * t[0] + lean * n[0], sign * t[1] + lean * n[1]], c);
+            Border::either(axis, [square, if b.tan > 0.0 { leaning } else { square }])
+        };
+        let wide = |tilt: f64, out: f64| [tilt * t[0] + out * n[0], tilt * t[1] + out * n[1]];
         let borders = [
-            Border::new(t[0], t[1], slack),
-            Border::new(-t[0], -t[1], length + slack),
-            Border::new(l * t[0] - n[0], l * t[1] - n[1], l0 + slack * (1.0 + l.abs())),
-            Border::new(r * t[0] + n[0], r * t[1] + n[1], r0 + slack * (1.0 + r.abs())),
+            end(0, 1.0, slack),
+            end(1, -1.0, length + slack),
+            Border::new(axis, wide(l, -1.0), l0 + slack + l.abs() * (slack + most)),
+            Border::new(axis, wide(r, 1.0), r0 + slack + r.abs() * (slack + most)),
         ];
+        let corner = |base: Point, ahead: f64, aside: f64| add(base, add(times(t, ahead), times(n, aside)));
+        let (left, right) = (
+            |b: &Bend, x: f64| if b.out > 0.0 { x } else { 0.0 },
+            |b: &Bend, x: f64| {
+                if b.out < 0.0 { x } else { 0.0 }
+            },
+        );
         let corners = [
-            times(n, l0 + slack),
-            times(n, -r0 - slack),
-            add(along, times(n, l1 + slack)),
-            add(along, times(n, -r1 - slack)),
+            corner([0.0; 2], -left(&bends[0], lean[0]), l0 + slack),
+            corner([0.0; 2], -right(&bends[0], lean[0]), -r0 - slack),
+            corner(along, left(&bends[1], lean[1]), l1 + slack),
+            corner(along, right(&bends[1], lean[1]), -r1 - slack),
         ];
         let (min, max) = bounds(&corners, slack);
         let reach = f64::INFINITY;
         let kind = Kind::Segment;
-        Some(Self { kind, from, heading: t, next: t, length, per_length: 1.0 / length, borders, reach, min, max, slack })
+        Some(Self {
+            kind,
+            axis,
+            from,
+            heading: t,
+            next: t,
+            length,
+            per_length: 1.0 / length,
+            bends,
+            borders,
+            reach,
+            min,
+            max,
+            slack,
+        })
     }
 
     /// The ground beyond a corner between two headings; `reach` is its radius on the left and right. `None` where the
@@ -124,12 +221,16 @@ impl Shape {
                 Kind::Sector(side) => reach[side],
                 _ => reach[LEFT].max(reach[RIGHT]),
             };
+        // The middle of the sector points along the difference of the headings.
+        let middle = sub(t, next);
+        let axis = usize::from(middle[1].abs() > middle[0].abs());
         let borders = [
-            Border::new(t[0], t[1], slack),
-            Border::new(-next[0], -next[1], slack),
-            Border::default_open(),
-            Border::default_open(),
+            Border::new(axis, t, slack),
+            Border::new(axis, times(next, -1.0), slack),
+            Border::none(),
+            Border::none(),
         ];
+        let bends = [Bend::default(); 2];
         let (min, max) = match kind {
             Kind::Sector(side) if cos > 0.0 => {
                 let out = if side == LEFT { 1.0 } else { -1.0 };
@@ -140,17 +241,45 @@ impl Shape {
             }
             _ => ([-reach; 2], [reach; 2]),
         };
-        Some(Self { kind, from: at, heading: t, next, length: 0.0, per_length: 0.0, borders, reach, min, max, slack })
+        Some(Self {
+            kind,
+            axis,
+            from: at,
+            heading: t,
+            next,
+            length: 0.0,
+            per_length: 0.0,
+            bends,
+            borders,
+            reach,
+            min,
+            max,
+            slack,
+        })
     }
 
     /// The cells within half a cell of a point, along both axes.
     pub(super) fn dot(at: Point, half: f64, slack: f64) -> Self {
         let (min, max) = ([-half - slack; 2], [half + slack; 2]);
-        let borders = [Border::default_open(); 4];
+        let borders = [Border::none(); 4];
         let reach = f64::INFINITY;
         let heading = [1.0, 0.0];
-        let (kind, length) = (Kind::Dot, 0.0);
-        Self { kind, from: at, heading, next: heading, length, per_length: 0.0, borders, reach, min, max, slack }
+        let (kind, length, bends) = (Kind::Dot, 0.0, [Bend::default(); 2]);
+        Self {
+            kind,
+            axis: 0,
+            from: at,
+            heading,
+            next: heading,
+            length,
+            per_length: 0.0,
+            bends,
+            borders,
+            reach,
+            min,
+            max,
+            slack,
+        }
     }
 
     /// Whether a rectangle, relative to the start, may hold a point of it.
@@ -159,30 +288,38 @@ impl Shape {
             return false;
         }
         // A border shuts the rectangle out when its best corner is outside.
-        self.borders.iter().all(|b| {
-            let best = [if b.a > 0.0 { max[0] } else { min[0] }, if b.b > 0.0 { max[1] } else { min[1] }];
-            b.at(best) >= 0.0
-        })
+        let holds = |line: &Line| {
+            line.at(std::array::from_fn(|k| if line.normal[k] > 0.0 { max[k] } else { min[k] })) >= 0.0
+        };
+        self.borders.iter().all(|b| b.lines.iter().any(holds))
     }
 
-    /// The range of x, relative to the start, that a row at `y` has in it, a hair too wide at most.
-    pub(super) fn span(&self, y: f64) -> Option<[f64; 2]> {
-        let [mut low, mut high] = [self.min[0], self.max[0]];
+    /// The range along the axis, relative to the start, that a scan line at `v` has in it, a hair too wide at most.
+    #[inline]
+    pub(super) fn span(&self, v: f64) -> Option<[f64; 2]> {
+        let u = self.axis;
+        let [mut low, mut high] = [self.min[u], self.max[u]];
         if self.reach < f64::INFINITY {
-            let square = self.reach * self.reach - y * y;
+            let square = self.reach * self.reach - v * v;
             let half = if square > 0.0 { square.sqrt() } else { 0.0 };
             low = low.max(-half);
             high = high.min(half);
         }
         for b in &self.borders {
-            if b.flat {
-                if b.at([self.min[0], y]) < 0.0 && b.at([self.max[0], y]) < 0.0 {
+            let [p, q] = &b.lines;
+            if b.crosses {
+                let (p_at, q_at) = (p.slope * v + p.at, q.slope * v + q.at);
+                if p.normal[u] > 0.0 {
+                    low = low.max(p_at.min(q_at));
+                } else {
+                    high = high.min(p_at.max(q_at));
+                }
+            } else {
+                let point = |along: f64| if u == 0 { [along, v] } else { [v, along] };
+                let outside = |along: f64| p.at(point(along)) < 0.0 && q.at(point(along)) < 0.0;
+                if outside(self.min[u]) && outside(self.max[u]) {
                     return None;
                 }
-            } else if b.a > 0.0 {
-                low = low.max(b.slope * y + b.at);
-            } else {
-                high = high.min(b.slope * y + b.at);
             }
         }
         let pad = self.slack;
@@ -197,12 +334,23 @@ impl Shape {
         let aside = dot(n, p);
         match self.kind {
             Kind::Segment => {
-                if along < -self.slack || along > self.length + self.slack {
+                let (side, away) = if aside >= 0.0 { (LEFT, n) } else { (RIGHT, [-n[0], -n[1]]) };
+                let distance = aside.abs();
+                let over = if along < 0.0 { -along } else { along - self.length };
+                if over <= self.slack {
+                    let share = (along * self.per_length).clamp(0.0, 1.0);
+                    return Some(Spot { share, distance, side, away, at_corner: false });
+                }
+                let first = along < 0.0;
+                let bend = &self.bends[usize::from(!first)];
+                if aside * bend.out <= 0.0 || over > distance * bend.tan + self.slack {
                     return None;
                 }
-                let share = (along * self.per_length).clamp(0.0, 1.0);
-                let (side, away) = if aside >= 0.0 { (LEFT, n) } else { (RIGHT, [-n[0], -n[1]]) };
-                Some(Spot { share, distance: aside.abs(), side, away })
+                // The foot is the corner.
+                let ahead = if first { -over } else { over };
+                let distance = (over * over + aside * aside).sqrt();
+                let away = times(add(times(self.heading, ahead), times(n, aside)), 1.0 / distance);
+                Some(Spot { share: if first { 0.0 } else { 1.0 }, distance, side, away, at_corner: true })
             }
             Kind::Sector(_) | Kind::Cusp => {
                 if along < -self.slack || dot(self.next, p) > self.slack {
@@ -215,33 +363,23 @@ impl Shape {
                     _ if aside >= 0.0 => LEFT,
                     _ => RIGHT,
                 };
-                Some(Spot { share: 0.0, distance, side, away })
+                Some(Spot { share: 0.0, distance, side, away, at_corner: true })
             }
             Kind::Dot => {
-                let inside = p[0] >= self.min[0]
-                    && p[0] <= self.max[0]
-                    && p[1] >= self.min[1]
-                    && p[1] <= self.max[1];
-                inside.then(|| Spot { share: 0.0, distance: norm(p), side: LEFT, away: [0.0; 2] })
+                let inside =
+                    p[0] >= self.min[0] && p[0] <= self.max[0] && p[1] >= self.min[1] && p[1] <= self.max[1];
+                let (away, at_corner) = ([0.0; 2], false);
+                inside.then(|| Spot { share: 0.0, distance: norm(p), side: LEFT, away, at_corner })
             }
         }
-    }
-}
-
-impl Border {
-    /// No border at all.
-    fn default_open() -> Self {
-        Self::new(0.0, 0.0, 1.0)
     }
 }
 
 fn bounds(points: &[Point], slack: f64) -> (Point, Point) {
     let mut both = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for p in points {
-        for k in 0..2 {
-            both.0[k] = both.0[k].min(p[k] - slack);
-            both.1[k] = both.1[k].max(p[k] + slack);
-        }
+        both.0 = [both.0[0].min(p[0] - slack), both.0[1].min(p[1] - slack)];
+        both.1 = [both.1[0].max(p[0] + slack), both.1[1].max(p[1] + slack)];
     }
     both
 }

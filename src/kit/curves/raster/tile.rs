@@ -5,7 +5,6 @@ use super::ribbon::{Ribbon, Rim};
 use super::shape::Shape;
 use super::{MAX_BINNED, Options, SLACK};
 use crate::value::curves::CurveError;
-use crate::value::curves::bezier::sub;
 use crate::value::{Grid, Mark, Planes};
 
 /// Cells along a side of a tile.
@@ -105,10 +104,47 @@ impl<'a> Band<'a> {
     }
 }
 
+impl Band<'_> {
+    /// Writes the values that curves together give a cell.
+    fn strict(&mut self, at: usize, o: &Outcome) {
+        if let Some(plane) = &mut self.height
+            && o.heights > 0.0
+        {
+            plane[at] = (o.height / f64::from(o.heights)) as f32;
+            self.marks[at] |= Mark::Height.bit();
+        }
+        if let Some(plane) = &mut self.noise
+            && o.noises > 0.0
+        {
+            plane[at] = o.noise.map(|x| (x / f64::from(o.noises)) as f32);
+            self.marks[at] |= Mark::Noise.bit();
+        }
+    }
+
+    /// Takes up the gradient that a curve gives a cell; where another curve gave one, or it contradicts itself, the
+    /// cell is left open.
+    #[inline]
+    fn slope(&mut self, at: usize, gradient: Option<([f32; 2], f32)>) {
+        let (Some(direction), Some(steepness)) = (&mut self.direction, &mut self.steepness) else { return };
+        let mark = &mut self.marks[at];
+        if *mark & (Mark::Gradient.bit() | Mark::Open.bit()) == 0
+            && let Some(gradient) = gradient
+        {
+            (direction[at], steepness[at]) = gradient;
+            *mark |= Mark::Gradient.bit();
+        } else {
+            (direction[at], steepness[at]) = ([0.0; 2], 0.0);
+            *mark = *mark & !Mark::Gradient.bit() | Mark::Open.bit();
+        }
+    }
+}
+
 /// All that filling a tile reads.
 pub(super) struct Scene<'a> {
     pub(super) grid: &'a Grid,
+    pub(super) per_cell: f64,
     pub(super) xs: &'a [f64],
+    pub(super) ys: &'a [f64],
     pub(super) ready: &'a [(Ribbon, Vec<Rim>)],
     pub(super) strips: &'a Bins,
     pub(super) rims: &'a Bins,
@@ -123,26 +159,59 @@ struct Place {
     columns: usize,
 }
 
-/// The cells of a tile while it is filled; what is not listed as touched is as new.
+impl Place {
+    /// The index in the band of a cell of the tile.
+    #[inline]
+    fn index(&self, i: usize, cols: usize) -> usize {
+        (i / SIDE) * cols + self.column + i % SIDE
+    }
+}
+
+/// Cells of a tile.
+const CELLS: usize = SIDE * SIDE;
+
+/// The cells of a tile while it is filled; what is not listed is as new.
 struct Desk {
+    /// Cells on slopes of the curve at hand.
+    nearest: Box<[Nearest; CELLS]>,
+    sloped: Vec<u16>,
+    /// Cells on its plateaus.
     strict: Vec<Strict>,
-    nearest: Vec<Nearest>,
+    flat: Vec<u16>,
+    /// Cells on plateaus of any curve.
     outcomes: Vec<Outcome>,
-    /// Cells that the curve at hand touches, then all that were touched.
     touched: Vec<u16>,
-    all: Vec<u16>,
 }
 
 impl Desk {
     fn new() -> Self {
-        let n = SIDE * SIDE;
         Self {
-            strict: vec![Strict::default(); n],
-            nearest: vec![Nearest::NOTHING; n],
-            outcomes: vec![Outcome::default(); n],
-            touched: Vec::with_capacity(n),
-            all: Vec::with_capacity(n),
+            nearest: Box::new([Nearest::NOTHING; CELLS]),
+            sloped: Vec::with_capacity(CELLS),
+            strict: vec![Strict::default(); CELLS],
+            flat: Vec::with_capacity(CELLS),
+            outcomes: vec![Outcome::default(); CELLS],
+            touched: Vec::with_capacity(CELLS),
         }
+    }
+
+    /// The state of a cell's slope, listed from now on.
+    #[inline(always)]
+    fn slope(&mut self, i: usize) -> &mut Nearest {
+        let nearest = &mut self.nearest[i % CELLS];
+        if !nearest.is_some() {
+            self.sloped.push(i as u16);
+        }
+        nearest
+    }
+
+    /// The state of a cell's plateau, listed from now on.
+    fn plateau(&mut self, i: usize) -> &mut Strict {
+        let strict = &mut self.strict[i];
+        if !strict.is_some() {
+            self.flat.push(i as u16);
+        }
+        strict
     }
 }
 
@@ -155,84 +224,99 @@ impl Scene<'_> {
             let columns = SIDE.min(self.grid.cols - column);
             let place = Place { row: band.number * SIDE, rows: band.rows, column, columns };
             for curve in self.strips.at(band.number, t).chunk_by(|a, b| a.0 == b.0) {
-                self.curve(curve, &place, &mut desk);
+                self.curve(curve, &place, &mut desk, band);
             }
-            for i in desk.all.drain(..).map(usize::from) {
-                let at = (i / SIDE) * self.grid.cols + column + i % SIDE;
-                write(band, at, &std::mem::take(&mut desk.outcomes[i]));
+            for i in desk.touched.drain(..).map(usize::from) {
+                let out = std::mem::take(&mut desk.outcomes[i]);
+                band.strict(place.index(i, self.grid.cols), &out);
             }
             self.envelope(self.rims.at(band.number, t), &place, band);
         }
     }
 
     /// Goes through the parts of one curve in a tile.
-    fn curve(&self, entries: &[Entry], place: &Place, desk: &mut Desk) {
+    fn curve(&self, entries: &[Entry], place: &Place, desk: &mut Desk, band: &mut Band<'_>) {
         let Some(&(number, _)) = entries.first() else { return };
         let (ribbon, _) = &self.ready[number as usize];
         let slack = SLACK * self.grid.cell();
         for &(_, p) in entries {
             let part = &ribbon.parts[p as usize];
-            self.cover(&part.shape, place, |i, at| {
-                let Some(spot) = part.shape.locate(at) else { return };
-                let reach = ribbon.reach(part, &spot, slack);
-                if reach == Reach::Beyond {
+            let visit = |i: usize, at: [f64; 2]| {
+                // Nearly all cells lie right beside a segment, on its slope.
+                if ribbon.has_slope
+                    && let Some(spot) = part.plain_slope(at, slack)
+                {
+                    desk.slope(i).meet(part, &spot, slack);
                     return;
                 }
-                let (nearest, strict) = (&mut desk.nearest[i], &mut desk.strict[i]);
-                if !nearest.is_some() && !strict.is_some() {
-                    desk.touched.push(i as u16);
+                let Some(spot) = part.shape.locate(at) else { return };
+                let reach = ribbon.reach(part, &spot, slack);
+                if matches!(reach, Reach::Slope | Reach::Both) {
+                    desk.slope(i).meet(part, &spot, slack);
                 }
-                if reach != Reach::Plateau {
-                    nearest.meet(spot.distance, p, slack);
+                if matches!(reach, Reach::Plateau | Reach::Both) {
+                    desk.plateau(i).meet(part, &spot, slack);
                 }
-                if reach != Reach::Slope {
-                    strict.meet(part, &spot, slack);
-                }
-            });
+            };
+            if part.shape.axis == 0 {
+                self.scan::<0>(&part.shape, place, visit);
+            } else {
+                self.scan::<1>(&part.shape, place, visit);
+            }
         }
-        for i in desk.touched.drain(..) {
+        for i in desk.flat.drain(..) {
             let k = usize::from(i);
             let out = &mut desk.outcomes[k];
             if out.is_new() {
-                desk.all.push(i);
+                desk.touched.push(i);
             }
-            let strict = &mut desk.strict[k];
-            let on_plateau = ribbon.has_height && strict.is_some();
-            if strict.is_some() {
-                strict.finish(ribbon, out);
-                *strict = Strict::default();
+            std::mem::take(&mut desk.strict[k]).finish(ribbon, out);
+            if ribbon.has_height {
+                // On its own plateau a curve gives a height and no gradient.
+                desk.nearest[k] = Nearest::NOTHING;
             }
-            let nearest = std::mem::replace(&mut desk.nearest[k], Nearest::NOTHING);
-            if nearest.is_some() && !on_plateau {
-                let world = [self.xs[place.column + k % SIDE], self.grid.y(place.row + k / SIDE)];
-                // Where several curves meet nothing will be given, so nothing needs working out.
-                let known = if out.slopes > 0 {
-                    None
-                } else {
-                    ribbon.gradient(&nearest, |part| sub(world, part.shape.from))
-                };
-                out.slope(ribbon, known);
+        }
+        // Without an elevation the curve gives no height that could flow away from it: both are turned round.
+        let sign = if ribbon.has_height { 1.0 } else { -1.0 };
+        for i in desk.sloped.drain(..).map(usize::from) {
+            let nearest = &mut desk.nearest[i % CELLS];
+            if nearest.is_some() {
+                band.slope(place.index(i, self.grid.cols), nearest.mean(sign));
             }
+            *nearest = Nearest::NOTHING;
         }
     }
 
-    /// Visits the cells of a tile that a shape may cover: index in the tile and position relative to the shape.
+    /// Visits the cells of a tile that a shape may cover, in scan lines along axis `U`: index in the tile and position
+    /// relative to the shape.
     #[inline(always)]
-    fn cover(&self, shape: &Shape, place: &Place, mut visit: impl FnMut(usize, [f64; 2])) {
-        let per_cell = 1.0 / self.grid.cell();
-        let (x0, y0) = (self.xs[place.column] - shape.from[0], self.grid.y(place.row) - shape.from[1]);
+    fn scan<const U: usize>(&self, shape: &Shape, place: &Place, mut visit: impl FnMut(usize, [f64; 2])) {
         // The whole numbers from `low` to `high`, both in metres, below `n`; without `floor`, which is a call here.
         let range = |low: f64, high: f64, n: usize| {
-            let (low, high) = ((low * per_cell).max(0.0), high * per_cell);
-            let first = low as usize + usize::from((low as usize as f64) < low);
-            first..if high < 0.0 { 0 } else { (high as usize).saturating_add(1).min(n) }
+            let (low, high) = ((low * self.per_cell).max(0.0), high * self.per_cell);
+            // A tile has few cells: what is beyond `i32` is beyond the tile.
+            let first = low as i32;
+            let first = first.saturating_add(i32::from(f64::from(first) < low));
+            let end = if high < 0.0 { 0 } else { (high as i32).saturating_add(1).min(n as i32) };
+            first as usize..end as usize
         };
-        let xs = &self.xs[place.column..][..place.columns];
-        for r in range(shape.min[1] - y0, shape.max[1] - y0, place.rows) {
-            let y = self.grid.y(place.row + r) - shape.from[1];
-            let Some([low, high]) = shape.span(y) else { continue };
-            for c in range(low - x0, high - x0, place.columns) {
-                visit(r * SIDE + c, [xs[c] - shape.from[0], y]);
+        let (xs, ys) = (&self.xs[place.column..][..place.columns], &self.ys[place.row..][..place.rows]);
+        let (along, across) = if U == 0 { (xs, ys) } else { (ys, xs) };
+        let from = [shape.from[U], shape.from[1 - U]];
+        let start = [along[0] - from[0], across[0] - from[1]];
+        let bounds = [shape.min[1 - U] - start[1], shape.max[1 - U] - start[1]];
+        for line in range(bounds[0], bounds[1], across.len()) {
+            let v = across[line] - from[1];
+            let Some([low, high]) = shape.span(v) else { continue };
+            let cells = range(low - start[0], high - start[0], along.len());
+            let first = cells.start;
+            for (k, u) in along.get(cells).into_iter().flatten().enumerate() {
+                let (k, u) = (first + k, u - from[0]);
+                if U == 0 {
+                    visit(line * SIDE + k, [u, v]);
+                } else {
+                    visit(k * SIDE + line, [v, u]);
+                }
             }
         }
     }
@@ -243,39 +327,16 @@ impl Scene<'_> {
         let slack = SLACK * self.grid.cell();
         for &(c, p) in entries {
             let rim = &self.ready[c as usize].1[p as usize];
-            self.cover(&rim.shape, place, |i, p| {
-                let at = (i / SIDE) * self.grid.cols + place.column + i % SIDE;
+            let visit = |i: usize, p: [f64; 2]| {
+                let at = place.index(i, self.grid.cols);
                 let weight = rim.weight(p, self.options.feather, slack) as f32;
                 plane[at] = plane[at].max(weight);
-            });
+            };
+            if rim.shape.axis == 0 {
+                self.scan::<0>(&rim.shape, place, visit);
+            } else {
+                self.scan::<1>(&rim.shape, place, visit);
+            }
         }
     }
-}
-
-/// Writes what the curves say together about a cell into the planes.
-fn write(band: &mut Band<'_>, at: usize, o: &Outcome) {
-    let mut marks = 0;
-    if o.heights > 0.0
-        && let Some(plane) = &mut band.height
-    {
-        plane[at] = (o.height / f64::from(o.heights)) as f32;
-        marks |= Mark::Height.bit();
-    }
-    if o.noises > 0.0
-        && let Some(plane) = &mut band.noise
-    {
-        plane[at] = o.noise.map(|x| (x / f64::from(o.noises)) as f32);
-        marks |= Mark::Noise.bit();
-    }
-    if o.slopes > 1 {
-        marks |= Mark::Open.bit();
-    } else if o.slopes == 1
-        && o.direction != [0.0; 2]
-        && let (Some(direction), Some(steepness)) = (&mut band.direction, &mut band.steepness)
-    {
-        direction[at] = o.direction;
-        steepness[at] = o.steepness;
-        marks |= Mark::Gradient.bit();
-    }
-    band.marks[at] = marks;
 }

@@ -1,0 +1,128 @@
+//! The solver that goes on until the error is small: multigrid, iterations, refinement.
+
+use rayon::prelude::*;
+
+use crate::kit::diffusion::cycle::Multigrid;
+use crate::kit::diffusion::finest::{correct, finest, residual};
+use crate::kit::diffusion::krylov::{Journal, bi_conjugate_gradients, conjugate_gradients};
+use crate::kit::diffusion::paper::{Extent, cascade, finish_row};
+use crate::kit::diffusion::problem::{Problem, constraint};
+use crate::kit::diffusion::setup::coarsen;
+use crate::kit::diffusion::split::{measure, zeros};
+use crate::kit::diffusion::watch::{Cancelled, Silent, Watch};
+use crate::kit::simd::Level;
+
+/// Rounds that do not lower the error by this factor end the work.
+const STALL: f64 = 0.5;
+/// Cells that one job takes.
+const JOB: usize = 1 << 14;
+
+/// A field with what was done for it.
+pub(crate) struct Converged {
+    pub(crate) field: Vec<f32>,
+    pub(crate) cycles: usize,
+    /// Estimated errors, in the unit of the field.
+    pub(crate) history: Vec<f64>,
+    pub(crate) range: f64,
+    pub(crate) converged: bool,
+}
+
+/// Solves to an estimated error of `tolerance` of the range.
+///
+/// Each round takes the exact residual of the field as it stands and iterates in `f32` for a correction; the work
+/// ends when the first estimate of a round is small enough, so no rounding of the iterations goes unseen.
+pub(crate) fn converge(
+    problem: &Problem<'_>,
+    extent: Extent,
+    tolerance: f64,
+    most: usize,
+    simd: Level,
+    watch: &dyn Watch,
+) -> Result<Converged, Cancelled> {
+    let (cols, offset) = (problem.cols, extent.offset());
+    let guided = problem.guidance.is_some();
+    let band = JOB / cols + 1;
+    let mut field = if guided {
+        // Where guidance leaves the height open, as in flow that comes from the border, this decides.
+        let open = Extent { bounded: false, ..extent };
+        let start = cascade(problem, open, simd, &Within(watch))?;
+        start.into_par_iter().map(|v| v - offset).collect()
+    } else {
+        vec![0.0f32; problem.len()]
+    };
+    field.par_iter_mut().zip(problem.fixed).zip(problem.target).for_each(|((o, &f), &t)| {
+        let (share, value) = constraint(f, t, offset);
+        *o = if share == 1.0 { value } else { *o };
+    });
+    watch.progress(0.1);
+    let (levels, coarsest) = coarsen(finest(problem, simd), simd, watch)?;
+    let mut grid = Multigrid { levels, coarsest, simd };
+    watch.progress(0.2);
+    let (mut r, mut e) = (zeros(cols, problem.rows), zeros(cols, problem.rows));
+    let mut journal = Journal { watch, cycles: 0, most, history: Vec::new(), done: 0.2 };
+    let (mut last, mut left, mut best) = (f64::INFINITY, f64::INFINITY, None);
+    let (range, converged) = loop {
+        let range = spread(&field).max(f64::from(extent.high - extent.low));
+        let goal = tolerance.max(0.0) * range;
+        residual(problem, offset, &field, simd, &mut r);
+        // Where the height is all but open the estimate may err; the residual does not.
+        let size = if guided { measure(simd, &r, &r).1 } else { 0.0 };
+        let worse = guided && size > left;
+        left = size;
+        if journal.cycles >= most && !worse {
+            break (range, false);
+        }
+        let error = if worse {
+            f64::INFINITY
+        } else if guided {
+            bi_conjugate_gradients(&mut grid, &mut r, &mut e, goal, &mut journal)?
+        } else {
+            conjugate_gradients(&mut grid, &mut r, &mut e, goal, &mut journal)?
+        };
+        let better = error <= STALL * last;
+        if !better && let Some(best) = best.take() {
+            // The round before did harm, or as little good as rounding allows.
+            if worse || error > last || error.is_nan() {
+                field = best;
+                break (range, last <= goal);
+            }
+        }
+        if guided {
+            best = Some(field.clone());
+        }
+        last = error;
+        if error.is_finite() {
+            correct(cols, &e, simd, &mut field);
+        }
+        if error <= goal || !better {
+            break (range, error <= goal);
+        }
+    };
+    let Journal { cycles, history, .. } = journal;
+    field.par_chunks_mut(cols * band).enumerate().for_each(|(b, piece)| {
+        finish_row(problem, extent, offset, b * band * cols, simd, piece);
+    });
+    Ok(Converged { field, cycles, history, range, converged })
+}
+
+/// The largest minus the smallest value.
+fn spread(field: &[f32]) -> f64 {
+    let blocks = field
+        .par_chunks(JOB)
+        .map(|block| block.iter().fold((f32::MAX, f32::MIN), |(low, high), &v| (low.min(v), high.max(v))));
+    let (low, high) = blocks.reduce(|| (f32::MAX, f32::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    f64::from(high) - f64::from(low)
+}
+
+/// Passes cancellation on, and no progress.
+struct Within<'a>(&'a dyn Watch);
+
+impl Watch for Within<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+
+    fn progress(&self, done: f32) {
+        Silent.progress(done);
+    }
+}

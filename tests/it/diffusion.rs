@@ -1,0 +1,5 @@
+//! Tests of the diffusion solver.
+mod closed;
+mod exact;
+mod robust;
+mod scenes;
