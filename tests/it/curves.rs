@@ -2,6 +2,7 @@
 
 mod import;
 mod model;
+mod nodes;
 mod raster;
 mod symmetry;
 
