@@ -41,8 +41,10 @@ fn hills(size: usize) -> Value {
 
 fn written(value: &Value, format: Format) -> (Vec<u8>, Option<Vec<u8>>) {
     let terrain = Terrain::default();
-    let job =
-        WriteJob { range: Some([-500.0, 2500.0]), ..WriteJob::new(value, format, &terrain, *value.grid().expect("a raster")) };
+    let job = WriteJob {
+        range: Some([-500.0, 2500.0]),
+        ..WriteJob::new(value, format, &terrain, *value.grid().expect("a raster"))
+    };
     let mut out = Cursor::new(Vec::new());
     let written = encode(&job, &mut out).expect("writes");
     (out.into_inner(), written.sidecar.map(|j| j.to_string().into_bytes()))

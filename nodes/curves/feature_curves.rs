@@ -40,16 +40,23 @@ ports! {
 impl Node for FeatureCurves {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta = Meta::new()
-        .cite(&["hnaidi2010", "weiss2015"])
-        .keywords(&["draw", "spline", "bezier", "ridge", "river", "constraint", "sketch"]);
+    const META: Meta = Meta::new().cite(&["hnaidi2010", "weiss2015"]).keywords(&[
+        "draw",
+        "spline",
+        "bezier",
+        "ridge",
+        "river",
+        "constraint",
+        "sketch",
+    ]);
 
     fn reach(&self) -> Reach {
         Reach::Gridless
     }
 
     fn cost(&self, _: &Grid) -> Cost {
-        let numbers: usize = self.curves.iter().map(|c| c.bezier.len() + c.through.len() + c.line.len()).sum();
+        let numbers: usize =
+            self.curves.iter().map(|c| c.bezier.len() + c.through.len() + c.line.len()).sum();
         Cost { bytes: 4096 * self.curves.len() as u64 + 64 * numbers as u64, seconds: numbers as f64 * 1e-6 }
     }
 

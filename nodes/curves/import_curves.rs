@@ -69,7 +69,10 @@ impl Node for ImportCurves {
 
     fn files(&self) -> Vec<FileRequest> {
         let named = !self.file.0.is_empty();
-        named.then(|| FileRequest { parameter: "file", name: self.file.0.clone(), optional: false }).into_iter().collect()
+        named
+            .then(|| FileRequest { parameter: "file", name: self.file.0.clone(), optional: false })
+            .into_iter()
+            .collect()
     }
 
     fn decoded_bytes(&self, files: &[std::sync::Arc<SourceFile>]) -> u64 {
@@ -81,8 +84,7 @@ impl Node for ImportCurves {
         if self.file.0.is_empty() {
             return Err(Error::Parameter { name: "file".into(), message: "no file chosen".into() });
         }
-        let fault =
-            |message: String| Error::File { parameter: "file", file: self.file.0.clone(), message };
+        let fault = |message: String| Error::File { parameter: "file", file: self.file.0.clone(), message };
         let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;
         let text = std::str::from_utf8(&file.bytes).map_err(|e| fault(format!("is not UTF-8 text: {e}")))?;
         let read = self.read(cx, text)?;

@@ -439,8 +439,9 @@ impl Results {
     }
 
     fn find(&self, step: usize, grid: &Grid) -> usize {
-        let serves =
-            |r: &&(usize, Stage, Grid, usize)| matches!(r.1, Stage::Gridless | Stage::Run | Stage::Lift) && r.2.contains(grid);
+        let serves = |r: &&(usize, Stage, Grid, usize)| {
+            matches!(r.1, Stage::Gridless | Stage::Run | Stage::Lift) && r.2.contains(grid)
+        };
         let found = self.of_step(step).iter().find(serves);
         found.map(|r| r.3).expect("every window that is asked for was collected")
     }

@@ -117,7 +117,11 @@ pub struct Written {
 pub fn encode(job: &WriteJob<'_>, out: &mut (impl Write + Seek)) -> Result<Written, WriteError> {
     let WriteJob { value, terrain, whole, .. } = *job;
     let Some((grid, quantity)) = value.grid().zip(value.quantity()) else {
-        return Err(unfit(job.format, value.wire_type().name(), "fields, vectors and colours can be written"));
+        return Err(unfit(
+            job.format,
+            value.wire_type().name(),
+            "fields, vectors and colours can be written",
+        ));
     };
     let bounds = grid.bounds();
     let [x, y] = bounds.min;

@@ -21,10 +21,8 @@ type Point = ([f64; 2], Option<f64>);
 pub(super) fn curves(curves: &Curves, side: usize) -> Picture {
     let steps = DENSITY * side;
     let at = |k: usize| k as f64 / steps as f64;
-    let points: Vec<Point> = curves
-        .iter()
-        .flat_map(|c| (0..=steps).map(move |k| (c.point(at(k)), c.height(at(k)))))
-        .collect();
+    let points: Vec<Point> =
+        curves.iter().flat_map(|c| (0..=steps).map(move |k| (c.point(at(k)), c.height(at(k))))).collect();
     let span = |of: fn(&Point) -> Option<f64>| {
         let all = points.iter().filter_map(of);
         all.fold([f64::MAX, f64::MIN], |[lo, hi], v| [lo.min(v), hi.max(v)])

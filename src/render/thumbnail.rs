@@ -3,7 +3,7 @@
 use super::picture::Picture;
 use super::plane::resampled;
 use super::surface::working_grid;
-use super::{Palette, sketch, Scene, Watch, map, picture_side};
+use super::{Palette, Scene, Watch, map, picture_side, sketch};
 use crate::context::Cancel;
 use crate::kit::ramp::{Blend, Palette as Colours, Ramp};
 use crate::node::{Error, Result};
