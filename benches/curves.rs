@@ -2,7 +2,9 @@
 //! its scenes.
 
 use divan::Bencher;
+use divan::counter::ItemsCount;
 use orograph::graph::Graph;
+use orograph::kit::diffusion::{Problem, Quality as Solver, Silent, solve};
 use orograph::node::{Cancel, Context};
 use orograph::nodes::Registry;
 use orograph::nodes::curves::curve_raster::{self, CurveRaster};
@@ -10,7 +12,7 @@ use orograph::nodes::curves::diffuse::{self, Diffuse, Quality};
 use orograph::nodes::curves::feature_curves::{self, FeatureCurves};
 use orograph::nodes::generate::multifractal::{self, Multifractal};
 use orograph::prelude::Node;
-use orograph::value::{Constraints, Curves, Grid, Terrain};
+use orograph::value::{Constraints, Curves, Grid, Mark, Terrain};
 
 const SIZES: [u32; 3] = [513, 1025, 2049];
 const SCENE: &str = include_str!("../graphs/mountain.graph");
@@ -88,4 +90,17 @@ fn noise_of_four_octaves(bencher: Bencher<'_, '_>, size: u32) {
         };
         Node::run(&Multifractal::default(), &cx, input).is_ok()
     });
+}
+
+/// One Laplace field from the heights of the curves, setup and solve.
+#[divan::bench(args = [257, 513, 1025, 2049, 4097], sample_count = 5)]
+fn laplace_converged(bencher: Bencher<'_, '_>, size: u32) {
+    let (_, grid, constraints) = constraints(size);
+    let fixed = constraints.mask(Mark::Height);
+    let target = constraints.planes().height.clone().expect("heights");
+    let (cols, rows) = (grid.cols, grid.rows);
+    let problem = Problem { cols, rows, fixed: &fixed, target: &target, guidance: None, source: None };
+    let cycles = solve(&problem, Solver::CONVERGED, &Silent).map(|s| s.cycles);
+    eprintln!("{size}²: {cycles:?} V-cycles");
+    bencher.counter(ItemsCount::new(grid.len())).bench_local(|| solve(&problem, Solver::CONVERGED, &Silent));
 }
