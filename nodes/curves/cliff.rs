@@ -1,7 +1,8 @@
 //! A cliff, from few numbers.
 
-use crate::kit::curves::short::{self, Grain, Ground, Side, curve, extent, places};
+use crate::kit::curves::short::{Grain, Ground, Side, curve, extent, places};
 use crate::prelude::*;
+use crate::short_form;
 use crate::value::curves::Slope;
 
 /// Draws a cliff: ground that rises steeply on one side of a line and falls as steeply on the other.
@@ -53,36 +54,7 @@ impl Default for Cliff {
     }
 }
 
-ports! {
-    pub struct Inputs {}
-    pub struct Outputs {
-        /// The feature curve.
-        curves: Curves,
-    }
-}
-
-impl Node for Cliff {
-    type In = Inputs;
-    type Out = Outputs;
-    const META: Meta =
-        Meta::new().cite(&["hnaidi2010"]).keywords(&["cliff", "wall", "scarp", "step", "fault"]);
-
-    fn reach(&self) -> Reach {
-        Reach::Gridless
-    }
-
-    fn cost(&self, _: &Grid) -> Cost {
-        short::cost(self.through.len())
-    }
-
-    fn check(&self) -> Result<()> {
-        self.curves().map(|_| ())
-    }
-
-    fn run(&self, _: &Context<'_>, _: Inputs) -> Result<Outputs> {
-        Ok(Outputs { curves: self.curves()? })
-    }
-}
+short_form!(Cliff, ["cliff", "wall", "scarp", "step", "fault"]);
 
 impl Cliff {
     /// The feature curve.

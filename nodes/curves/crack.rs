@@ -1,7 +1,8 @@
 //! A crack, from few numbers.
 
-use crate::kit::curves::short::{self, Grain, Ground, curve, extent, places};
+use crate::kit::curves::short::{Grain, Ground, curve, extent, places};
 use crate::prelude::*;
+use crate::short_form;
 use crate::value::curves::Slope;
 
 /// Draws a crack: ground that rises steeply on both sides of a line, whatever its height.
@@ -45,36 +46,7 @@ impl Default for Crack {
     }
 }
 
-ports! {
-    pub struct Inputs {}
-    pub struct Outputs {
-        /// The feature curve.
-        curves: Curves,
-    }
-}
-
-impl Node for Crack {
-    type In = Inputs;
-    type Out = Outputs;
-    const META: Meta =
-        Meta::new().cite(&["hnaidi2010"]).keywords(&["crack", "gorge", "canyon", "rift", "ravine"]);
-
-    fn reach(&self) -> Reach {
-        Reach::Gridless
-    }
-
-    fn cost(&self, _: &Grid) -> Cost {
-        short::cost(self.through.len())
-    }
-
-    fn check(&self) -> Result<()> {
-        self.curves().map(|_| ())
-    }
-
-    fn run(&self, _: &Context<'_>, _: Inputs) -> Result<Outputs> {
-        Ok(Outputs { curves: self.curves()? })
-    }
-}
+short_form!(Crack, ["crack", "gorge", "canyon", "rift", "ravine"]);
 
 impl Crack {
     /// The feature curve.

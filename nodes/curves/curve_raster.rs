@@ -40,6 +40,9 @@ ports! {
 /// Bytes for curves of an ordinary scene: their polylines, and where these cross which tile.
 const CURVES: u64 = 16 << 20;
 
+/// Most bytes that rasterising may take beside its planes, whatever the curves: they are not known when the plan is made.
+const MOST: u64 = 1 << 30;
+
 impl Node for CurveRaster {
     type In = Inputs;
     type Out = Outputs;
@@ -60,6 +63,15 @@ impl Node for CurveRaster {
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { curves }: Inputs) -> Result<Outputs> {
+        let work = raster::estimate(&curves, &cx.grid);
+        let beside = work.bytes.saturating_sub(30 * cx.grid.len() as u64);
+        if beside > MOST {
+            let (need, most) = (beside >> 20, MOST >> 20);
+            let message = format!(
+                "has curves that take about {need} MiB on this grid, the limit is {most} MiB; simplify them or lower the base"
+            );
+            return Err(Error::Input { port: "curves", message });
+        }
         let options = Options { feather: self.feather.0 };
         let stop = || cx.cancel.is_cancelled();
         let constraints = raster::rasterise(&curves, &cx.grid, &options, &stop);

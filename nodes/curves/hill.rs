@@ -1,7 +1,8 @@
 //! A hill, from few numbers.
 
-use crate::kit::curves::short::{self, Grain, Ground, apart, curve};
+use crate::kit::curves::short::{Grain, Ground, apart, curve};
 use crate::prelude::*;
+use crate::short_form;
 use crate::value::curves::Slope;
 
 /// Draws a hill: heights along a line with level ground beside it, so that it is round on top.
@@ -46,35 +47,7 @@ impl Default for Hill {
     }
 }
 
-ports! {
-    pub struct Inputs {}
-    pub struct Outputs {
-        /// The feature curve.
-        curves: Curves,
-    }
-}
-
-impl Node for Hill {
-    type In = Inputs;
-    type Out = Outputs;
-    const META: Meta = Meta::new().cite(&["hnaidi2010"]).keywords(&["hill", "knoll", "dune", "mound"]);
-
-    fn reach(&self) -> Reach {
-        Reach::Gridless
-    }
-
-    fn cost(&self, _: &Grid) -> Cost {
-        short::cost(self.through.len())
-    }
-
-    fn check(&self) -> Result<()> {
-        self.curves().map(|_| ())
-    }
-
-    fn run(&self, _: &Context<'_>, _: Inputs) -> Result<Outputs> {
-        Ok(Outputs { curves: self.curves()? })
-    }
-}
+short_form!(Hill, ["hill", "knoll", "dune", "mound"]);
 
 impl Hill {
     /// The feature curve.

@@ -16,7 +16,8 @@ use crate::value::curves::CurveError;
 /// property is an attribute `data-NAME` or `NAME`.
 ///
 /// # Limits
-/// A line of which nothing is set is left out. Degrees are refused: project the file first.
+/// A line of which nothing is set is left out. Coordinates are taken for metres: a file in degrees must be
+/// projected first, or all its lines lie within some hundred metres.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportCurves {

@@ -1,7 +1,8 @@
 //! A ridge, from few numbers.
 
-use crate::kit::curves::short::{self, Grain, Ground, apart, curve};
+use crate::kit::curves::short::{Grain, Ground, apart, curve};
 use crate::prelude::*;
+use crate::short_form;
 use crate::value::curves::Slope;
 
 /// Draws a ridge: a crest of given heights with slopes that fall away on both sides.
@@ -53,36 +54,7 @@ impl Default for RidgeLine {
     }
 }
 
-ports! {
-    pub struct Inputs {}
-    pub struct Outputs {
-        /// The feature curve.
-        curves: Curves,
-    }
-}
-
-impl Node for RidgeLine {
-    type In = Inputs;
-    type Out = Outputs;
-    const META: Meta =
-        Meta::new().cite(&["hnaidi2010"]).keywords(&["ridge", "crest", "mountain", "arête", "spur"]);
-
-    fn reach(&self) -> Reach {
-        Reach::Gridless
-    }
-
-    fn cost(&self, _: &Grid) -> Cost {
-        short::cost(self.through.len())
-    }
-
-    fn check(&self) -> Result<()> {
-        self.curves().map(|_| ())
-    }
-
-    fn run(&self, _: &Context<'_>, _: Inputs) -> Result<Outputs> {
-        Ok(Outputs { curves: self.curves()? })
-    }
-}
+short_form!(RidgeLine, ["ridge", "crest", "mountain", "arête", "spur"]);
 
 impl RidgeLine {
     /// The feature curve.

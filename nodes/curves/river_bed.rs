@@ -1,7 +1,8 @@
 //! A riverbed, from few numbers.
 
-use crate::kit::curves::short::{self, Grain, Ground, apart, curve};
+use crate::kit::curves::short::{Grain, Ground, apart, curve};
 use crate::prelude::*;
+use crate::short_form;
 use crate::value::curves::Slope;
 
 /// Draws a riverbed: a flat bed of given heights with banks that rise on both sides.
@@ -54,36 +55,7 @@ impl Default for RiverBed {
     }
 }
 
-ports! {
-    pub struct Inputs {}
-    pub struct Outputs {
-        /// The feature curve.
-        curves: Curves,
-    }
-}
-
-impl Node for RiverBed {
-    type In = Inputs;
-    type Out = Outputs;
-    const META: Meta =
-        Meta::new().cite(&["hnaidi2010"]).keywords(&["river", "valley", "stream", "bed", "channel"]);
-
-    fn reach(&self) -> Reach {
-        Reach::Gridless
-    }
-
-    fn cost(&self, _: &Grid) -> Cost {
-        short::cost(self.through.len())
-    }
-
-    fn check(&self) -> Result<()> {
-        self.curves().map(|_| ())
-    }
-
-    fn run(&self, _: &Context<'_>, _: Inputs) -> Result<Outputs> {
-        Ok(Outputs { curves: self.curves()? })
-    }
-}
+short_form!(RiverBed, ["river", "valley", "stream", "bed", "channel"]);
 
 impl RiverBed {
     /// The feature curve.

@@ -7,6 +7,7 @@
 //! as long as the account of memory allows. The cache holds results in memory by key and window, and in a folder
 //! that later processes start warm from.
 
+mod account;
 mod cache;
 mod disk;
 mod error;

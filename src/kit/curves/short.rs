@@ -127,3 +127,40 @@ pub fn extent(height: f64, degrees: f64) -> f64 {
 pub fn cost(points: usize) -> Cost {
     Cost { bytes: 4096 + 256 * points as u64, seconds: points as f64 * 1e-6 }
 }
+
+/// Makes a struct of parameters with a method `curves` a node kind that gives its feature curve: a short form takes no
+/// input, has no grid and is checked by making the curve.
+#[macro_export]
+macro_rules! short_form {
+    ($kind:ident, $keywords:expr) => {
+        ports! {
+            pub struct Inputs {}
+            pub struct Outputs {
+                /// The feature curve.
+                curves: Curves,
+            }
+        }
+
+        impl Node for $kind {
+            type In = Inputs;
+            type Out = Outputs;
+            const META: Meta = Meta::new().cite(&["hnaidi2010"]).keywords(&$keywords);
+
+            fn reach(&self) -> Reach {
+                Reach::Gridless
+            }
+
+            fn cost(&self, _: &Grid) -> Cost {
+                $crate::kit::curves::short::cost(self.through.len())
+            }
+
+            fn check(&self) -> Result<()> {
+                self.curves().map(|_| ())
+            }
+
+            fn run(&self, _: &Context<'_>, _: Inputs) -> Result<Outputs> {
+                Ok(Outputs { curves: self.curves()? })
+            }
+        }
+    };
+}
