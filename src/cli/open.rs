@@ -37,7 +37,7 @@ pub(super) fn open(args: &GraphArgs, registry: &Registry) -> Result<Opened, Stop
     files
         .allow_folder(folder)
         .map_err(|e| Stop::new(Exit::Input, format!("cannot open the graph's folder: {e}")))?;
-    for folder in args.allow.iter().cloned().chain(kept_folders()) {
+    for folder in args.allow.iter().cloned().chain(crate::engine::kept_folders()) {
         let opened = files.allow_folder(&folder);
         opened.map_err(|e| Stop::usage(format!("cannot open the folder {}: {e}", folder.display())))?;
     }
@@ -104,16 +104,4 @@ pub(super) fn inputs(args: &GraphArgs, graph: &Graph) -> Vec<PathBuf> {
 /// The files that the nodes of a graph ask for.
 fn requests(graph: &Graph) -> impl Iterator<Item = FileRequest> {
     graph.nodes().filter_map(|id| graph.node(id).parse().ok()).flat_map(|node| node.files())
-}
-
-/// The folders that this user keeps as allowed, one a line, in the user's own settings.
-fn kept_folders() -> Vec<PathBuf> {
-    let home = std::env::var_os("XDG_CONFIG_HOME")
-        .map(PathBuf::from)
-        .or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".config")));
-    let Some(file) = home.map(|h| h.join("orograph").join("allowed_folders")) else { return Vec::new() };
-    let text = std::fs::read_to_string(file).unwrap_or_default();
-    let lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
-    // A folder that is gone, or a drive that is not mounted, must not stop every build.
-    lines.map(PathBuf::from).filter(|p| p.is_dir()).collect()
 }

@@ -29,6 +29,14 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// The node that failed.
+    pub fn node(&self) -> Option<&str> {
+        match self {
+            Self::Document { node, .. } | Self::Run { node, .. } => Some(node),
+            Self::Graph(_) => None,
+        }
+    }
+
     /// Whether a missing or unreadable file is the cause.
     pub fn is_file(&self) -> bool {
         matches!(

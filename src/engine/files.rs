@@ -132,6 +132,18 @@ impl Files {
     }
 }
 
+/// The folders that this user keeps as allowed, one a line, in the user's own settings.
+pub fn kept_folders() -> Vec<PathBuf> {
+    let home = std::env::var_os("XDG_CONFIG_HOME")
+        .map(PathBuf::from)
+        .or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".config")));
+    let Some(file) = home.map(|h| h.join("orograph").join("allowed_folders")) else { return Vec::new() };
+    let text = std::fs::read_to_string(file).unwrap_or_default();
+    let lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
+    // A folder that is gone, or a drive that is not mounted, must not stop every build.
+    lines.map(PathBuf::from).filter(|p| p.is_dir()).collect()
+}
+
 /// The stamp of an open file, which must be a regular one of a fair size.
 fn regular(file: &cap_std::fs::File) -> Result<Stamp, Refusal> {
     let meta = file.metadata().map_err(|e| Refusal::Unreadable(e.to_string()))?;

@@ -20,12 +20,13 @@ mod plan;
 mod program;
 mod run;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use disk::DEFAULT_LIMIT as DEFAULT_CACHE_BYTES;
 pub use error::{EngineError, Failure, SharedFailure, bytes};
-pub use files::{Files, is_device};
+pub use files::{Files, is_device, kept_folders};
 pub use key::Key;
 pub use memory::{default_budget, process_peak};
 pub use plan::{Plan, PlannedTask, Stage};
@@ -34,7 +35,7 @@ pub use run::{Observer, TaskReport, Unobserved};
 use cache::{Given, Store};
 use program::Program;
 
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, NodeId, Source};
 use crate::node::{Cancel, Error};
 use crate::value::{Grid, Value};
 
@@ -80,6 +81,12 @@ pub struct Want {
     pub port: &'static str,
     /// The grid.
     pub grid: Grid,
+}
+
+impl Want {
+    fn source(&self) -> Source {
+        Source { node: self.node, port: self.port }
+    }
 }
 
 /// What an evaluation gave.
@@ -136,13 +143,14 @@ impl Engine {
 
     /// States what an evaluation would run.
     pub fn plan(&self, graph: &Graph, wants: &[Want]) -> Plan {
-        let nodes: Vec<NodeId> = wants.iter().map(|w| w.node).collect();
+        let passed: Vec<_> = wants.iter().map(|w| graph.passed(w.source())).collect();
+        let nodes: Vec<NodeId> = passed.iter().flatten().map(|s| s.node).collect();
         let program = Arc::new(Program::new(graph, &nodes, &self.files));
-        let find = |want: &Want| {
-            let unknown = || Arc::new(Failure::Graph("a wanted node is not in the graph".into()));
-            program.find(want.node).map(|step| (step, want.grid)).ok_or_else(unknown)
+        let find = |(want, passed): (&Want, &Option<Source>)| {
+            let step = passed.and_then(|s| program.find(s.node)).map(|step| (step, want.grid));
+            step.ok_or_else(|| Arc::new(Failure::Graph(absent(graph, want))))
         };
-        let wants: Vec<_> = wants.iter().map(find).collect();
+        let wants: Vec<_> = wants.iter().zip(&passed).map(find).collect();
         Plan::new(program, &wants, &self.store)
     }
 
@@ -151,6 +159,16 @@ impl Engine {
         let program = Program::new(graph, &[node], &self.files);
         let step = program.steps.get(program.find(node)?)?;
         step.as_ref().ok().map(|s| s.key)
+    }
+
+    /// The keys of the results of some nodes; those that have a fault are left out.
+    pub fn keys(&self, graph: &Graph, nodes: &[NodeId]) -> BTreeMap<NodeId, Key> {
+        let program = Program::new(graph, nodes, &self.files);
+        let key = |id: &NodeId| {
+            let step = program.steps.get(program.find(*id)?)?;
+            Some((*id, step.as_ref().ok()?.key))
+        };
+        nodes.iter().filter_map(key).collect()
     }
 
     /// Refuses a plan that is over a budget.
@@ -199,7 +217,8 @@ impl Engine {
             if ran.damaged {
                 continue;
             }
-            let values = wants.iter().zip(ran.wanted).map(|(want, given)| cut(want, &*given?));
+            let values = wants.iter().zip(ran.wanted);
+            let values = values.map(|(want, given)| cut(graph.passed(want.source()), &want.grid, &*given?));
             let values = values.collect();
             return Ok(Evaluation {
                 values,
@@ -212,12 +231,21 @@ impl Engine {
     }
 }
 
+/// Why nothing stands for a want.
+fn absent(graph: &Graph, want: &Want) -> String {
+    match graph.get(want.node) {
+        None => "a wanted node is not in the graph".to_owned(),
+        Some(node) => format!("node `{}` is bypassed and has nothing to pass on", node.name),
+    }
+}
+
 /// The wanted window of what a task gave.
-fn cut(want: &Want, given: &Given) -> Result<Value, SharedFailure> {
-    let value = given.wires().and_then(|w| w.get(want.port));
+fn cut(source: Option<Source>, grid: &Grid, given: &Given) -> Result<Value, SharedFailure> {
+    let port = source.map_or("", |s| s.port);
+    let value = given.wires().and_then(|w| w.get(port));
     let missing = || {
-        let error = Error::Output { port: want.port, message: "was not given".into() };
+        let error = Error::Output { port, message: "was not given".into() };
         Arc::new(Failure::Graph(error.to_string()))
     };
-    value.map(|v| v.crop(&want.grid)).ok_or_else(missing)
+    value.map(|v| v.crop(grid)).ok_or_else(missing)
 }

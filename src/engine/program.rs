@@ -119,6 +119,12 @@ impl Program {
                 }
                 continue;
             };
+            let Some(source) = graph.passed(source) else {
+                if port.required {
+                    return Err(InputFault::Here(Error::Missing { port: port.name }));
+                }
+                continue;
+            };
             let step = self.index.get(&source.node).copied();
             let step = step.ok_or(InputFault::Here(Error::Missing { port: port.name }))?;
             match &self.steps[step] {
@@ -179,7 +185,8 @@ fn upstream(graph: &Graph, wanted: &[NodeId]) -> (Vec<NodeId>, BTreeSet<NodeId>)
 
 fn sources(graph: &Graph, id: NodeId) -> Vec<NodeId> {
     let Some(kind) = graph.node(id).kind() else { return Vec::new() };
-    let mut nodes: Vec<_> = kind.inputs().filter_map(|p| Some(graph.source(id, p.name)?.node)).collect();
+    let source = |port: &str| Some(graph.passed(graph.source(id, port)?)?.node);
+    let mut nodes: Vec<_> = kind.inputs().filter_map(|p| source(p.name)).collect();
     nodes.reverse();
     nodes
 }

@@ -43,6 +43,8 @@ impl Graph {
             set,
             at: [0.0; 2],
             backend: Backend::Auto,
+            bypass: false,
+            bends: Vec::new(),
             extra: Map::new(),
             loose: Map::new(),
         };
@@ -104,16 +106,13 @@ impl Graph {
 
     /// For each output of a node that is a changed input, what that input reads.
     fn bridges(&self, id: NodeId) -> Vec<(&'static str, Source)> {
-        let mut found: Vec<(&'static str, Source)> = Vec::new();
-        let Some(kind) = self.node(id).kind() else { return found };
-        for &(output, input) in kind.meta.mixes.iter().chain(kind.meta.carries) {
-            let fits = |s: &Source| s.node != id && self.wire_type(*s) == kind.output(output).map(|p| p.wire);
-            let source = self.source(id, input).filter(fits);
-            if let Some(source) = source.filter(|_| found.iter().all(|(o, _)| *o != output)) {
-                found.push((output, source));
-            }
-        }
-        found
+        let outputs = self.node(id).kind().map_or(&[][..], |kind| kind.outputs);
+        let bridge = |port: &Port| {
+            let source = self.source(id, self.node(id).kind()?.bridge(port.name)?)?;
+            let fits = source.node != id && self.wire_type(source) == Some(port.wire);
+            fits.then_some((port.name, source))
+        };
+        outputs.iter().filter_map(bridge).collect()
     }
 
     /// Renames a node, and all that names it: wires, outputs, exposed parameters.
@@ -160,6 +159,33 @@ impl Graph {
     /// # Errors
     /// When a port is not there, the types differ, or a cycle would close; its nodes are named.
     pub fn connect(&mut self, from: NodeId, output: &str, to: NodeId, input: &str) -> Result<(), Problem> {
+        let (source, input) = self.fitting(from, output, to, input)?;
+        if self.source(to, input) == Some(source) {
+            return Ok(());
+        }
+        let node = &mut self.dag[to];
+        node.loose.shift_remove(input);
+        node.extra.shift_remove("in");
+        self.put_wire(source, to, input);
+        self.settle();
+        Ok(())
+    }
+
+    /// Whether a wire could be put in; nothing is changed.
+    ///
+    /// # Errors
+    /// Those of [`connect`](Self::connect).
+    pub fn can_connect(&self, from: NodeId, output: &str, to: NodeId, input: &str) -> Result<(), Problem> {
+        self.fitting(from, output, to, input).map(drop)
+    }
+
+    fn fitting(
+        &self,
+        from: NodeId,
+        output: &str,
+        to: NodeId,
+        input: &str,
+    ) -> Result<(Source, &'static str), Problem> {
         let out_port = self.port(from, output, Side::Output)?;
         let in_port = self.port(to, input, Side::Input)?;
         let source = Source { node: from, port: out_port.name };
@@ -181,15 +207,7 @@ impl Graph {
             let path = self.path_text(&way, to);
             return bad(format!("cannot read `{text}`: that would close a cycle, {path}"));
         }
-        if self.source(to, input) == Some(source) {
-            return Ok(());
-        }
-        let node = &mut self.dag[to];
-        node.loose.shift_remove(input);
-        node.extra.shift_remove("in");
-        self.put_wire(source, to, in_port.name);
-        self.settle();
-        Ok(())
+        Ok((source, in_port.name))
     }
 
     /// Takes the wire into an input away, also one that does not resolve. Nothing happens where there is none.

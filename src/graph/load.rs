@@ -6,6 +6,7 @@ use std::path::Path;
 use serde_json::{Map, Value as Json};
 
 use super::migrate::{self, FORMAT_STEPS, FormatStep};
+use super::canvas::Note;
 use super::parts::{About, Exposed, GraphNode, KindRef, NodeKeys, Output, Part};
 use super::problem::{Hints, Place, Problem};
 use super::write::brief;
@@ -161,6 +162,7 @@ impl Graph {
         let exposed = named(part(&mut file, "expose")?, "expose", "exposed parameters", MAX_NAMED)?;
         let nodes = named(part(&mut file, "nodes")?, "nodes", "nodes", MAX_NODES)?;
         let outputs = named(part(&mut file, "outputs")?, "outputs", "outputs", MAX_NAMED)?;
+        let notes = named(part(&mut file, "notes")?, "notes", "notes", MAX_NAMED)?;
         self.extra = file;
         for (name, written) in nodes {
             let node = self.node_of(name, written)?;
@@ -170,6 +172,11 @@ impl Graph {
             let mut output = Output::take(&mut written);
             output.extra = written;
             self.outputs.push((name, output));
+        }
+        for (name, mut written) in notes {
+            let mut note = Note::take(&mut written);
+            note.extra = written;
+            self.notes.push((name, note));
         }
         let mut says_null = Vec::new();
         for (name, mut written) in exposed {
@@ -201,9 +208,9 @@ impl Graph {
             _ => Map::new(),
         };
         let (loose, set) = (object("in"), object("set"));
-        let NodeKeys { at, backend } = NodeKeys::take(&mut written);
+        let NodeKeys { at, backend, bypass, bends } = NodeKeys::take(&mut written);
         let kind = known.map_or(KindRef::Unknown(kind), KindRef::Known);
-        Ok(GraphNode { name, kind, set, at, backend, extra: written, loose })
+        Ok(GraphNode { name, kind, set, at, backend, bypass, bends, extra: written, loose })
     }
 
     /// The version of a kind in the file.
@@ -240,7 +247,7 @@ impl Graph {
                     "the file does not say under `kinds` which version of `{}` it means; it is read as version {version}",
                     kind.id
                 );
-                self.notes.push(Problem::warning(Place::Graph, message));
+                self.doubts.push(Problem::warning(Place::Graph, message));
             }
             let steps = kind.meta.migrations.get(version as usize - 1..).unwrap_or_default();
             if !steps.is_empty() {
@@ -316,7 +323,7 @@ impl Graph {
                     let message =
                         format!("is written as {written}, but exposed as `{name}` with {used}, which counts");
                     let note = Problem::warning(self.place_of(bind), message);
-                    self.notes.push(note);
+                    self.doubts.push(note);
                 }
                 self.put_at(bind, value.clone());
             }

@@ -9,8 +9,10 @@
 //! touches a cached result; the engine takes [`GraphNode::parse`], the wires and the [`Terrain`] and nothing else.
 
 mod bind;
+mod canvas;
 mod edit;
 mod expose;
+mod fragment;
 mod json;
 mod load;
 mod migrate;
@@ -32,6 +34,8 @@ use petgraph::stable_graph::StableDiGraph;
 use serde_json::{Map, Value as Json};
 
 pub use json::read as strict_json;
+pub use canvas::{Bends, Note, NoteColor};
+pub use fragment::Grafted;
 pub use load::{LoadError, MAX_FILE, MAX_NAMED, MAX_NODES};
 pub use migrate::FORMAT;
 pub use parts::{About, Backend, Exposed, GraphNode, KindRef, Output};
@@ -58,15 +62,17 @@ pub struct Graph {
     terrain: Terrain,
     exposed: Vec<(String, Exposed)>,
     outputs: Vec<(String, Output)>,
+    notes: Vec<(String, Note)>,
     /// The versions that the file states for kinds that this program does not know.
     versions: Map<String, Json>,
     extra: Map<String, Json>,
     /// What was doubtful in the file that was read, and is settled when it is written anew.
-    notes: Vec<Problem>,
+    doubts: Vec<Problem>,
     /// Errors of the terrain and of exposed parameters.
     stopped: Vec<Problem>,
     /// The file as it was read, while nothing has changed.
     original: Option<Arc<[u8]>>,
+    edits: u64,
 }
 
 impl Default for Graph {
@@ -96,8 +102,10 @@ impl Graph {
             versions: Map::new(),
             extra: Map::new(),
             notes: Vec::new(),
+            doubts: Vec::new(),
             stopped: Vec::new(),
             original: None,
+            edits: 0,
         }
     }
 
@@ -160,6 +168,16 @@ impl Graph {
         self.exposed.iter().map(|(name, exposed)| (name.as_str(), exposed))
     }
 
+    /// The notes on the canvas, in the order of the file.
+    pub fn notes(&self) -> impl ExactSizeIterator<Item = (&str, &Note)> {
+        self.notes.iter().map(|(name, note)| (name.as_str(), note))
+    }
+
+    /// The note of a name.
+    pub fn note(&self, name: &str) -> Option<&Note> {
+        self.notes().find(|(n, _)| *n == name).map(|(_, note)| note)
+    }
+
     /// What the file says beyond what this version knows, kept as it was written.
     pub fn extra(&self) -> &Map<String, Json> {
         &self.extra
@@ -170,9 +188,15 @@ impl Graph {
         self.original.is_none()
     }
 
+    /// How many edits have changed it since it was made or read: tells an edit that did nothing.
+    pub fn edits(&self) -> u64 {
+        self.edits
+    }
+
     /// Called by every edit that changes something.
     fn touch(&mut self) {
         self.original = None;
-        self.notes.clear();
+        self.edits += 1;
+        self.doubts.clear();
     }
 }

@@ -10,6 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value as Json};
 
+use super::canvas::{Bends, Note};
 use super::problem::{Hints, Severity, listed};
 use crate::files::{Format, Target};
 use crate::node::{self, AnyNode, Kind};
@@ -60,6 +61,10 @@ pub struct GraphNode {
     pub at: [f64; 2],
     /// Where it should run.
     pub backend: Backend,
+    /// Whether it is left out: what it would change passes through as it is.
+    pub bypass: bool,
+    /// Where the wires into its inputs bend on the canvas.
+    pub bends: Vec<Bends>,
     /// What the file says beyond that, kept as it was written.
     pub extra: Map<String, Json>,
     /// Inputs that do not resolve, as they were written.
@@ -210,6 +215,13 @@ pub(super) struct NodeKeys {
     /// Where it should run.
     #[serde(skip_serializing_if = "is_auto")]
     pub(super) backend: Backend,
+    /// Leaves it out: what it would change passes through as it is.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub(super) bypass: bool,
+    /// Where the wires into its inputs bend on the canvas.
+    #[schemars(length(max = 1000))]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) bends: Vec<Bends>,
 }
 
 fn is_auto(backend: &Backend) -> bool {
@@ -261,7 +273,7 @@ macro_rules! parts {
         }
     )+};
 }
-parts!(Output, Exposed, About, NodeKeys);
+parts!(Output, Exposed, About, NodeKeys, Note);
 
 /// What is wrong with the keys in `extra`: known ones whose values do not fit, and unknown ones.
 pub(super) fn faults(

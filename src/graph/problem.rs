@@ -53,6 +53,8 @@ pub enum Place {
     Output(String),
     /// An exposed parameter.
     Exposed(String),
+    /// A note on the canvas.
+    Note(String),
 }
 
 impl fmt::Display for Place {
@@ -66,6 +68,7 @@ impl fmt::Display for Place {
             Self::Parameter { node, parameter } => write!(f, "node `{node}`, parameter `{parameter}`"),
             Self::Output(name) => write!(f, "output `{name}`"),
             Self::Exposed(name) => write!(f, "exposed `{name}`"),
+            Self::Note(name) => write!(f, "note `{name}`"),
         }
     }
 }

@@ -3,6 +3,7 @@
 use schemars::{JsonSchema, schema_for};
 use serde_json::{Map, Value as Json, json};
 
+use super::canvas::Note;
 use super::parts::{About, Exposed, NodeKeys, Output};
 use super::settings::Settings;
 use super::{FORMAT, MAX_NAMED, MAX_NODES};
@@ -18,6 +19,7 @@ pub fn schema(registry: &Registry) -> Json {
     let about = part::<About>("about", &mut defs);
     let output = output_schema(&mut defs);
     let exposed = closed(part::<Exposed>("exposed", &mut defs), &["bind"]);
+    let note = closed(part::<Note>("note", &mut defs), &[]);
     let terrain = part::<Settings>("terrain", &mut defs);
     let keys = part::<NodeKeys>("node", &mut defs);
     let rules: Vec<Json> = registry.iter().map(|kind| rule(kind, &mut defs)).collect();
@@ -55,6 +57,7 @@ pub fn schema(registry: &Registry) -> Json {
     file["expose"] = named(exposed, MAX_NAMED);
     file["nodes"] = named(json!({"$ref": "#/$defs/node"}), MAX_NODES);
     file["outputs"] = named(output, MAX_NAMED);
+    file["notes"] = named(note, MAX_NAMED);
     defs.insert("node".into(), node);
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",

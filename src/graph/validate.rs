@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use serde_json::{Map, Value as Json};
 
+use super::canvas::Note;
 use super::parts::{About, Exposed, GraphNode, KindRef, NodeKeys, Output, Part, faults};
 use super::problem::{Hints, Place, Problem, Severity, listed};
 use super::write::brief;
-use super::{Graph, NodeId, settings};
+use super::{Graph, NodeId, Source, settings};
 use crate::node::{Error, Kind, Reads};
 use crate::value::WireType;
 
@@ -48,7 +49,7 @@ impl Graph {
     /// the order of the file, then cycles, twins and the rest that concerns several places.
     pub fn problems(&self) -> Vec<Problem> {
         let hints = Hints::new();
-        let mut found = self.notes.clone();
+        let mut found = self.doubts.clone();
         found.extend(self.extra_problems(&hints));
         found.extend(settings::faults(&self.settings, &hints));
         found.extend(self.exposed_problems(&hints));
@@ -58,6 +59,7 @@ impl Graph {
         }
         found.extend(self.cycles());
         found.extend(self.output_problems(&hints));
+        found.extend(self.note_problems(&hints));
         found.extend(self.twins());
         if self.outputs.is_empty() {
             found.push(Problem::warning(Place::Graph, "has no outputs, so that nothing would be built"));
@@ -74,7 +76,7 @@ impl Graph {
         let kept = |key: &String| format!("`{key}` is not yet supported by this version, and kept as it is");
         let mut found: Vec<_> =
             reserved.keys().map(|key| Problem::warning(Place::Graph, kept(key))).collect();
-        let parts = ["kinds", "terrain", "expose", "nodes", "outputs"];
+        let parts = ["kinds", "terrain", "expose", "nodes", "outputs", "notes"];
         found.extend(placed(faults(About::keys(), &parts, &rest, hints), &Place::Graph));
         found
     }
@@ -153,8 +155,14 @@ impl Graph {
                 };
                 let problem = if uses(port.name) { Problem::error } else { Problem::warning };
                 found.push(problem(place(port.name), message));
-            } else if port.required && uses(port.name) && self.source(id, port.name).is_none() {
-                found.push(Problem::error(place(port.name), "must be connected"));
+            } else if port.required && uses(port.name) {
+                match self.source(id, port.name) {
+                    None => found.push(Problem::error(place(port.name), "must be connected")),
+                    Some(source) if self.passed(source).is_none() => {
+                        found.push(Problem::error(place(port.name), self.nothing_passed(source)));
+                    }
+                    Some(_) => (),
+                }
             }
         }
         for (name, _) in node.loose.iter().filter(|(name, _)| kind.input(name).is_none()) {
@@ -164,6 +172,23 @@ impl Graph {
             found.push(Problem::error(place(name), message));
         }
         found
+    }
+
+    /// That a value comes from nodes that are left out and have nothing to pass on.
+    pub(super) fn nothing_passed(&self, source: Source) -> String {
+        format!("reads `{}`, which is bypassed and has nothing to pass on", self.source_text(source))
+    }
+
+    fn note_problems(&self, hints: &Hints) -> Vec<Problem> {
+        let problems = |(name, note): (&str, &Note)| {
+            let place = Place::Note(name.to_owned());
+            let fault = name_fault(name).map(|fault| Problem::warning(place.clone(), fault));
+            // What is wrong with a note stops nothing.
+            let keys = placed(faults(Note::keys(), &[], &note.extra, hints), &place).into_iter();
+            let soft = |problem: Problem| Problem { severity: Severity::Warning, ..problem };
+            fault.into_iter().chain(keys.map(soft)).collect::<Vec<_>>()
+        };
+        self.notes().flat_map(problems).collect()
     }
 
     fn output_problems(&self, hints: &Hints) -> Vec<Problem> {
@@ -197,6 +222,9 @@ impl Graph {
                         format!("`from` must be a field, vectors or colours, `{from}` is {wire}")
                     };
                     found.extend(wire.map(|wire| error(message(wire))));
+                    if self.passed(source).is_none() {
+                        found.push(error(self.nothing_passed(source)));
+                    }
                 }
             }
         }

@@ -40,6 +40,20 @@ impl Graph {
         self.edge_into(id, port).map(|(_, source)| source)
     }
 
+    /// Where a value really comes from: a node that is left out passes on what its input reads. `None` where it has
+    /// nothing to pass on.
+    pub fn passed(&self, mut source: Source) -> Option<Source> {
+        // A file may hold a cycle of such nodes.
+        for _ in 0..=self.sequence.len() {
+            let node = self.get(source.node)?;
+            if !node.bypass {
+                return Some(source);
+            }
+            source = self.source(source.node, node.kind()?.bridge(source.port)?)?;
+        }
+        None
+    }
+
     /// All wires into a node that resolve, in the order of its kind's inputs.
     pub fn inputs(&self, id: NodeId) -> impl Iterator<Item = (&'static str, Source)> + '_ {
         let kind = self.get(id).and_then(|n| n.kind());
@@ -154,7 +168,11 @@ impl Graph {
     /// Takes the wire into an input away, if there is one.
     pub(super) fn cut_wire(&mut self, id: NodeId, port: &str) -> bool {
         let edge = self.edge_into(id, port).map(|(edge, _)| edge);
-        edge.is_some_and(|edge| self.dag.remove_edge(edge).is_some())
+        let cut = edge.is_some_and(|edge| self.dag.remove_edge(edge).is_some());
+        if cut {
+            self.dag[id].bends.retain(|b| b.input != port);
+        }
+        cut
     }
 
     fn edge_into(&self, id: NodeId, port: &str) -> Option<(petgraph::stable_graph::EdgeIndex, Source)> {

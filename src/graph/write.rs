@@ -12,7 +12,7 @@ use super::{FORMAT, Graph, KindRef, NodeId, settings};
 /// Longest line that an object or a list of lists is put on; lists of numbers are never broken.
 const COLUMNS: usize = 110;
 /// These top-level objects have one line an entry, however short they are.
-const OPEN: [&str; 3] = ["expose", "nodes", "outputs"];
+const OPEN: [&str; 4] = ["expose", "nodes", "outputs", "notes"];
 
 impl Graph {
     /// The file: the bytes it was read from when nothing has changed since, else the canonical form.
@@ -60,6 +60,11 @@ impl Graph {
         file.insert("nodes".into(), Json::Object(nodes.collect()));
         let outputs = self.outputs().map(|(name, o)| (name.to_owned(), Json::Object(o.give(&o.extra))));
         file.insert("outputs".into(), Json::Object(outputs.collect()));
+        let notes = self.notes().map(|(name, n)| (name.to_owned(), Json::Object(n.give(&n.extra))));
+        let notes: Map<String, Json> = notes.collect();
+        if !notes.is_empty() {
+            file.insert("notes".into(), Json::Object(notes));
+        }
         file.extend(self.extra.iter().map(|(k, v)| (k.clone(), v.clone())));
         file
     }
@@ -81,7 +86,13 @@ impl Graph {
 
     fn written_node(&self, id: NodeId) -> Json {
         let node = self.node(id);
-        let keys = NodeKeys { at: node.at, backend: node.backend }.give(&Map::new());
+        let keys = NodeKeys {
+            at: node.at,
+            backend: node.backend,
+            bypass: node.bypass,
+            bends: node.bends.clone(),
+        };
+        let keys = keys.give(&Map::new());
         let mut map = Map::new();
         map.insert("kind".into(), node.kind.id().into());
         map.extend(keys.get("at").map(|at| ("at".to_owned(), at.clone())));

@@ -139,6 +139,15 @@ impl Kind {
         self.outputs.iter().find(|p| p.name == name)
     }
 
+    /// The input that an output is a change of, if there is one: what passes through where a node is left out.
+    pub fn bridge(&self, output: &str) -> Option<&'static str> {
+        let own = self.output(output)?;
+        let pairs = self.meta.mixes.iter().chain(self.meta.carries);
+        let paired = pairs.filter(|(o, _)| *o == own.name).map(|(_, input)| *input);
+        let twin = self.inputs.iter().map(|p| p.name).filter(|name| *name == own.name);
+        paired.chain(twin).find(|name| self.input(name).is_some_and(|p| p.wire == own.wire))
+    }
+
     /// The JSON schema of the parameters.
     pub fn schema(&self) -> Json {
         (self.schema)().to_value()

@@ -74,6 +74,24 @@ fn grid(graph: &Graph, size: u32) -> Grid {
 }
 
 #[test]
+fn what_is_left_out_does_not_run_and_changes_no_key() {
+    let (mut g, e) = (chain(), engine(2));
+    let whole = grid(&g, 129);
+    let rough = field(&evaluate(&e, &g, "rough", whole), 0);
+    let soft = g.find("soft").unwrap();
+    g.set_bypass(soft, true).unwrap();
+    let passed = evaluate(&e, &g, "soft", whole);
+    assert_eq!(bits(&field(&passed, 0)), bits(&rough));
+    assert_eq!(ran(&passed), [""; 0], "what passes is in the cache already");
+    let dug = g.find("dug").unwrap();
+    let left_out = e.key(&g, dug);
+    g.remove_bridged(soft).unwrap();
+    assert_eq!(e.key(&g, dug), left_out, "as if it were not there");
+    let hills = g.find("hills").unwrap();
+    assert!(g.set_bypass(hills, true).is_err());
+}
+
+#[test]
 fn runs_only_what_is_asked_for_and_only_once() {
     let (g, e) = (chain(), engine(2));
     let soft = evaluate(&e, &g, "soft", grid(&g, 129));

@@ -1,6 +1,7 @@
 //! The document: files, problems, edits.
 #![allow(clippy::unwrap_used, reason = "a test stops where something fails")]
 
+mod canvas;
 mod edits;
 mod exposed;
 mod files;
