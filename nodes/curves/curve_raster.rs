@@ -9,7 +9,10 @@ use crate::prelude::*;
 /// the slope, on which the steepness fades linearly to nothing [hnaidi2010, section 4.1]. Where fixed values of several
 /// curves meet they are averaged; where gradients of different curves meet the samples are left open, and diffusion
 /// fills them. A curve with slopes and no height gives its gradient the other way round, so that heights flow towards
-/// it and the slope stays what it is.
+/// it and the slope stays what it is; across a cliff they flow down all the way.
+///
+/// Edges lie between samples: a sample beside one says how far off it is, and a slope says what it rises from sample to
+/// sample, so that walls are smooth along their curves, not stairs of base cells.
 ///
 /// # Differs from the paper
 /// The paper paints quadrangles over each other; here a sample takes the gradient of its nearest place on the curve,

@@ -8,6 +8,16 @@
 //! values of several curves, or of several passages of one, meet, they are averaged; where the gradients of different
 //! curves meet, the cell is left open.
 //!
+//! # Between samples
+//! A curve does not know the grid, and a cell that is on a wall or not would make a staircase of every wall. So the
+//! raster says what holds at the sample itself:
+//! - The steepness of a cell is the mean over the step from the neighbours that heights flow from, `|n_x|` and `|n_y|`
+//!   cells away across the slope, part of which may be plateau: summed up over the steps it is the profile.
+//! - A cell that a line thinner than a cell marks beside it has the height of the profile there.
+//! - Where a plateau ends on free ground, each cell within a step of the edge leans on the neighbours beyond: it lies on
+//!   the straight way between the edge, a gap g back, and them, a step ahead: `(1 − λ) h + λ H`, `λ = g / (g + step)`.
+//!   So the two sides of a line are solved apart, and meet on it. The weights are positive: no value leaves the range.
+//!
 //! # Differs from the paper
 //! - The paper paints quadrangles over each other. Here a cell takes the gradient of the nearest foot among all
 //!   quadrangles of a curve that hold it, so that a strip that folds at a sharp bend shows a clean crease; where two
@@ -16,6 +26,8 @@
 //! - A plateau thinner than a cell marks a connected line of cells (every column's, or every row's nearest cell), and
 //!   so does a curve that has noise and no elevation.
 //! - A cell on a curve without elevation has no side and so no gradient: it is left open.
+//! - On the low side of a cliff without elevation heights flow away from the curve, not towards it: one wall from the
+//!   high ground down, where the paper's two halves would meet in a step on the curve.
 //! - Weiss's envelope is 1 inside and 0 outside; here it may fade over a share of its width (`feather`). As in his
 //!   program, widths count from the outer edge of the slopes, and the strip goes beyond the ends by their mean, here
 //!   as a half ellipse.
@@ -83,6 +95,7 @@ pub fn rasterise(
     let mut planes = Planes {
         marks: vec![0; n],
         height: any(|r| r.has_height).then(|| vec![0.0; n]),
+        lean: any(|r| r.has_edge).then(|| vec![[0.0; 2]; n]),
         direction: any(|r| r.has_slope).then(|| vec![[0.0; 2]; n]),
         steepness: any(|r| r.has_slope).then(|| vec![0.0; n]),
         noise: any(|r| r.has_noise).then(|| vec![[0.0; 2]; n]),
@@ -175,7 +188,7 @@ pub fn estimate(curves: &Curves, grid: &Grid) -> Work {
         cells += covered(strip) + covered(rim);
         corners += (12.0 * c.pieces() as f64 + c.length() / cell).min(MAX_CORNERS as f64);
     }
-    // 29 bytes a cell of planes; about 1.5 kB a corner with its parts, sector and rim; the bins.
-    let bytes = 29.0 * grid.len() as f64 + 2200.0 * corners.min(MAX_CORNERS as f64) + cells / 8.0;
+    // 37 bytes a cell of planes; about 1.5 kB a corner with its parts, sector and rim; the bins.
+    let bytes = 37.0 * grid.len() as f64 + 2200.0 * corners.min(MAX_CORNERS as f64) + cells / 8.0;
     Work { bytes: bytes as u64 + (1 << 20), cells }
 }

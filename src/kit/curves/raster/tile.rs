@@ -73,6 +73,7 @@ pub(super) struct Band<'a> {
     rows: usize,
     marks: &'a mut [u8],
     height: Option<&'a mut [f32]>,
+    lean: Option<&'a mut [[f32; 2]]>,
     direction: Option<&'a mut [[f32; 2]]>,
     steepness: Option<&'a mut [f32]>,
     noise: Option<&'a mut [[f32; 2]]>,
@@ -86,8 +87,8 @@ impl<'a> Band<'a> {
             std::iter::from_fn(move || Some(chunks.as_mut().and_then(Iterator::next)))
         }
         let n = SIDE * grid.cols;
-        let Planes { marks, height, direction, steepness, noise, envelope } = planes;
-        let (mut height, mut direction) = (cut(height, n), cut(direction, n));
+        let Planes { marks, height, lean, direction, steepness, noise, envelope } = planes;
+        let (mut height, mut lean, mut direction) = (cut(height, n), cut(lean, n), cut(direction, n));
         let (mut steepness, mut noise) = (cut(steepness, n), cut(noise, n));
         let mut envelope = cut(envelope, n);
         let band = |(number, marks): (usize, &'a mut [u8])| Self {
@@ -95,6 +96,7 @@ impl<'a> Band<'a> {
             rows: marks.len() / grid.cols,
             marks,
             height: height.next().flatten(),
+            lean: lean.next().flatten(),
             direction: direction.next().flatten(),
             steepness: steepness.next().flatten(),
             noise: noise.next().flatten(),
@@ -107,11 +109,12 @@ impl<'a> Band<'a> {
 impl Band<'_> {
     /// Writes the values that curves together give a cell.
     fn strict(&mut self, at: usize, o: &Outcome) {
-        if let Some(plane) = &mut self.height
-            && o.heights > 0.0
-        {
-            plane[at] = (o.height / f64::from(o.heights)) as f32;
-            self.marks[at] |= Mark::Height.bit();
+        if let (Some(plane), Some((height, lean))) = (&mut self.height, o.height()) {
+            plane[at] = height as f32;
+            if let Some(plane) = &mut self.lean {
+                plane[at] = lean.map(|x| x as f32);
+            }
+            self.marks[at] |= if o.heights > 0.0 { Mark::Height.bit() } else { Mark::Edge.bit() };
         }
         if let Some(plane) = &mut self.noise
             && o.noises > 0.0
@@ -246,16 +249,16 @@ impl Scene<'_> {
                 if ribbon.has_slope
                     && let Some(spot) = part.plain_slope(at, slack)
                 {
-                    desk.slope(i).meet(part, &spot, slack);
+                    desk.slope(i).meet(ribbon, part, &spot, slack);
                     return;
                 }
                 let Some(spot) = part.shape.locate(at) else { return };
                 let reach = ribbon.reach(part, &spot, slack);
                 if matches!(reach, Reach::Slope | Reach::Both) {
-                    desk.slope(i).meet(part, &spot, slack);
+                    desk.slope(i).meet(ribbon, part, &spot, slack);
                 }
-                if matches!(reach, Reach::Plateau | Reach::Both) {
-                    desk.plateau(i).meet(part, &spot, slack);
+                if matches!(reach, Reach::Plateau | Reach::Edge | Reach::Both) {
+                    desk.plateau(i).meet(ribbon, part, &spot, reach != Reach::Edge, slack);
                 }
             };
             if part.shape.axis == 0 {
@@ -276,12 +279,10 @@ impl Scene<'_> {
                 desk.nearest[k] = Nearest::NOTHING;
             }
         }
-        // Without an elevation the curve gives no height that could flow away from it: both are turned round.
-        let sign = if ribbon.has_height { 1.0 } else { -1.0 };
         for i in desk.sloped.drain(..).map(usize::from) {
             let nearest = &mut desk.nearest[i % CELLS];
             if nearest.is_some() {
-                band.slope(place.index(i, self.grid.cols), nearest.mean(sign));
+                band.slope(place.index(i, self.grid.cols), nearest.mean());
             }
             *nearest = Nearest::NOTHING;
         }
