@@ -2,6 +2,7 @@
 
 use crate::kit::curves::raster::{self, Options};
 use crate::prelude::*;
+use crate::value::curves::CurveError;
 
 /// Puts feature curves on the base grid, as the constraints that `diffuse` starts from.
 ///
@@ -40,12 +41,6 @@ ports! {
     }
 }
 
-/// Bytes for curves of an ordinary scene: their polylines, and where these cross which tile.
-const CURVES: u64 = 16 << 20;
-
-/// Most bytes that rasterising may take beside its planes, whatever the curves: they are not known when the plan is made.
-const MOST: u64 = 1 << 30;
-
 impl Node for CurveRaster {
     type In = Inputs;
     type Out = Outputs;
@@ -62,22 +57,20 @@ impl Node for CurveRaster {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        Cost { bytes: CURVES + grid.len() as u64, ..Cost::per_sample(grid, 15.0) }
+        Cost { bytes: raster::BESIDE, ..Cost::per_sample(grid, 15.0) }
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { curves }: Inputs) -> Result<Outputs> {
-        let work = raster::estimate(&curves, &cx.grid);
-        let beside = work.bytes.saturating_sub(30 * cx.grid.len() as u64);
-        if beside > MOST {
-            let (need, most) = (beside >> 20, MOST >> 20);
-            let message = format!(
-                "has curves that take about {need} MiB on this grid, the limit is {most} MiB; simplify them or lower the base"
-            );
-            return Err(Error::Input { port: "curves", message });
-        }
         let options = Options { feather: self.feather.0 };
         let stop = || cx.cancel.is_cancelled();
         let constraints = raster::rasterise(&curves, &cx.grid, &options, &stop);
-        Ok(Outputs { constraints: constraints.map_err(Error::of_curves)? })
+        let named = |e| match e {
+            CurveError::TooMany { .. } => {
+                let message = format!("has {e}; simplify the curves or lower the base");
+                Error::Input { port: "curves", message }
+            }
+            other => Error::of_curves(other),
+        };
+        Ok(Outputs { constraints: constraints.map_err(named)? })
     }
 }

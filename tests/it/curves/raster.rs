@@ -434,13 +434,3 @@ fn nothing_gives_nothing_and_too_much_is_refused() {
     let c = raster(&curves(&[huge]), &g);
     assert!(c.height([16, 16]).is_some());
 }
-
-#[test]
-fn the_estimate_is_not_below_what_is_used() {
-    let g = grid([0.0; 2], 32.0, 257);
-    let set = all_helpers();
-    let c = raster(&set, &g);
-    let work = orograph::kit::curves::raster::estimate(&set, &g);
-    let marked = c.planes().marks.iter().filter(|&&m| m != 0).count();
-    assert!(work.bytes > c.bytes() && work.cells >= marked as f64, "{work:?} for {} and {marked}", c.bytes());
-}

@@ -1,6 +1,7 @@
 //! A curve made ready for the raster: its parts of the ground with the values that hold there.
 
 use super::shape::{Bend, Kind, LEFT, RIGHT, Shape};
+use super::stock::{MAX_PARTS, Window};
 use crate::kit::curves::flatten::Vertex;
 use crate::value::Curve;
 use crate::value::curves::bezier::{Point, norm, sub, times};
@@ -150,9 +151,10 @@ fn joins(legs: &[Leg], closed: bool) -> Vec<Option<Bend>> {
     std::iter::once(around).chain(between).chain(std::iter::once(around)).collect()
 }
 
-/// Whether slopes have no extent on a side somewhere.
-fn ends_bare(slope: &Track<4>) -> bool {
-    slope.keys().iter().any(|(_, [left, right, ..])| *left <= 0.0 || *right <= 0.0)
+/// Whether the plateau of a curve has an edge with free ground beyond it somewhere: no slope, or none of any extent.
+pub(super) fn has_edge(curve: &Curve) -> bool {
+    let bare = |t: &Track<4>| t.keys().iter().any(|(_, [left, right, ..])| *left <= 0.0 || *right <= 0.0);
+    curve.tracks().elevation.is_some() && curve.tracks().slope.as_ref().is_none_or(bare)
 }
 
 /// The axis that a heading follows most, and its direction along it.
@@ -168,12 +170,13 @@ impl Ribbon {
         self.has_height || self.has_noise
     }
 
-    pub(super) fn new(curve: &Curve, line: &[Vertex], cell: f64) -> Self {
+    /// The parts of a curve that a window sees; those beyond the most at once are left out.
+    pub(super) fn new(curve: &Curve, line: &[Vertex], cell: f64, window: &Window) -> Self {
         let t = curve.tracks();
         let mut ribbon = Self {
             parts: Vec::new(),
             has_height: t.elevation.is_some(),
-            has_edge: t.elevation.is_some() && t.slope.as_ref().is_none_or(ends_bare),
+            has_edge: has_edge(curve),
             has_slope: t.slope.is_some(),
             has_noise: t.noise.is_some(),
             cell,
@@ -188,29 +191,33 @@ impl Ribbon {
         let least = if strict { least } else { 0.0 };
         let builder = Builder { curve, cell, slack: super::SLACK * cell, least };
         let (Some(first), Some(last)) = (legs.first(), legs.last()) else { return ribbon };
-        ribbon.parts.reserve(2 * legs.len() + 2);
         let closed = curve.is_closed();
+        let parts = &mut ribbon.parts;
+        let mut take = |part: Option<Part>| {
+            if parts.len() <= MAX_PARTS {
+                parts.extend(part.filter(|p| window.meets(&p.shape)));
+            }
+        };
         if strict && !closed {
-            ribbon.parts.extend(builder.dot(&first.from));
+            take(builder.dot(&first.from));
         }
         let joins = joins(&legs, closed);
         for (i, leg) in legs.iter().enumerate() {
-            ribbon
-                .parts
-                .extend(builder.segment(leg, [joins[i], joins[i + 1]].map(Option::unwrap_or_default)));
+            take(builder.segment(leg, [joins[i], joins[i + 1]].map(Option::unwrap_or_default)));
             let next = legs.get(i + 1).or(closed.then_some(first));
             if let Some(next) = next {
                 if joins[i + 1].is_none() {
-                    ribbon.parts.extend(builder.sector(leg, next));
+                    take(builder.sector(leg, next));
                 }
                 if strict && (joins[i + 1].is_none() || course(leg.heading) != course(next.heading)) {
-                    ribbon.parts.extend(builder.dot(&leg.to));
+                    take(builder.dot(&leg.to));
                 }
             }
         }
         if strict && !closed {
-            ribbon.parts.extend(builder.dot(&last.to));
+            take(builder.dot(&last.to));
         }
+        ribbon.parts.shrink_to_fit();
         ribbon
     }
 }
@@ -302,8 +309,8 @@ pub(super) struct Rim {
 }
 
 impl Rim {
-    /// The parts of a curve's envelope.
-    pub(super) fn all(curve: &Curve, line: &[Vertex], cell: f64) -> Vec<Self> {
+    /// The parts of a curve's envelope that a window sees; those beyond the most at once are left out.
+    pub(super) fn all(curve: &Curve, line: &[Vertex], cell: f64, window: &Window) -> Vec<Self> {
         let t = curve.tracks();
         let Some(envelope) = &t.envelope else { return Vec::new() };
         let slack = super::SLACK * cell;
@@ -321,19 +328,24 @@ impl Rim {
         let legs = legs(line);
         let (Some(first), Some(last)) = (legs.first(), legs.last()) else { return Vec::new() };
         let closed = curve.is_closed();
-        let mut rims = Vec::with_capacity(2 * legs.len() + 2);
+        let mut rims: Vec<Self> = Vec::new();
+        let mut take = |rim: Option<Self>| {
+            if rims.len() <= MAX_PARTS {
+                rims.extend(rim.filter(|r| window.meets(&r.shape)));
+            }
+        };
         let joins = joins(&legs, closed);
         for (i, leg) in legs.iter().enumerate() {
             let (a, b) = (leg.from.u, leg.to.u);
             let sides = [LEFT, RIGHT].map(|k| [reach(a, k), reach(b, k)]);
             let bends = [joins[i], joins[i + 1]].map(Option::unwrap_or_default);
             let shape = Shape::segment(leg.from.at, leg.to.at, sides, bends, slack);
-            rims.extend(shape.map(|s| rim(s, [a, b], 0.0)));
+            take(shape.map(|s| rim(s, [a, b], 0.0)));
             let next = legs.get(i + 1).or(closed.then_some(first));
             if let (Some(next), None) = (next, joins[i + 1]) {
                 let around = [LEFT, RIGHT].map(|k| reach(b, k));
                 let shape = Shape::sector(leg.to.at, leg.heading, next.heading, around, slack);
-                rims.extend(shape.map(|s| rim(s, [b, b], 0.0)));
+                take(shape.map(|s| rim(s, [b, b], 0.0)));
             }
         }
         if !closed {
@@ -352,9 +364,10 @@ impl Rim {
                     cap.reach.swap(LEFT, RIGHT);
                     cap.width.swap(LEFT, RIGHT);
                 }
-                rims.push(cap);
+                take(Some(cap));
             }
         }
+        rims.shrink_to_fit();
         rims
     }
 

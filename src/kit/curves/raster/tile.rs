@@ -3,34 +3,64 @@
 use super::cell::{Nearest, Outcome, Reach, Strict};
 use super::ribbon::{Ribbon, Rim};
 use super::shape::Shape;
-use super::{MAX_BINNED, Options, SLACK};
+use super::stock::Window;
+use super::{Options, SLACK};
 use crate::value::curves::CurveError;
 use crate::value::{Grid, Mark, Planes};
 
 /// Cells along a side of a tile.
 const SIDE: usize = 32;
 
+/// Most parts in all tiles together, at once; 8 bytes each, and as much again while their lists grow.
+const MAX_BINNED: usize = 1 << 18;
+
 /// The number of a curve and of one of its parts.
 type Entry = (u32, u32);
 
-/// The parts that touch each tile, curve by curve in order.
-pub(super) struct Bins {
-    tiles: Vec<Vec<Entry>>,
+/// Some rows of tiles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tiles {
+    first: usize,
+    down: usize,
     across: usize,
 }
 
+impl Tiles {
+    pub(super) fn of(bands: &[Band<'_>], grid: &Grid) -> Self {
+        let first = bands.first().map_or(0, |b| b.number);
+        Self { first, down: bands.len(), across: grid.cols.div_ceil(SIDE) }
+    }
+
+    /// Where their samples lie, and a cell around them.
+    pub(super) fn window(&self, grid: &Grid) -> Window {
+        let cell = grid.cell();
+        let (top, bottom) = (self.first * SIDE, ((self.first + self.down) * SIDE).min(grid.rows));
+        Window {
+            min: [grid.x(0) - cell, grid.y(top) - cell],
+            max: [grid.x(grid.cols - 1) + cell, grid.y(bottom - 1) + cell],
+        }
+    }
+}
+
+/// The parts that touch each of some tiles, curve by curve in order.
+pub(super) struct Bins {
+    tiles: Vec<Vec<Entry>>,
+    of: Tiles,
+}
+
 impl Bins {
-    pub(super) fn new<'a, P>(grid: &Grid, curves: impl Iterator<Item = P>) -> Result<Self, CurveError>
+    pub(super) fn new<'a, P>(
+        grid: &Grid,
+        of: &Tiles,
+        curves: impl Iterator<Item = P>,
+    ) -> Result<Self, CurveError>
     where
         P: Iterator<Item = &'a Shape>,
     {
-        let (across, down) = (grid.cols.div_ceil(SIDE), grid.rows.div_ceil(SIDE));
-        let mut bins = Self { tiles: vec![Vec::new(); across * down], across };
-        if grid.is_empty() {
-            return Ok(bins);
-        }
+        let Tiles { first, down, across } = *of;
+        let mut bins = Self { tiles: vec![Vec::new(); across * down], of: *of };
         let mut entries = 0;
-        let (origin, step) = ([grid.x(0), grid.y(0)], SIDE as f64 * grid.cell());
+        let (origin, step) = ([grid.x(0), grid.y(first * SIDE)], SIDE as f64 * grid.cell());
         let last = (SIDE - 1) as f64 * grid.cell();
         for (c, parts) in curves.enumerate() {
             for (p, shape) in parts.enumerate() {
@@ -54,7 +84,11 @@ impl Bins {
                 }
                 if entries > MAX_BINNED {
                     let (most, found) = (MAX_BINNED as u64, entries as u64);
-                    return Err(CurveError::TooMany { what: "parts of curves in tiles", most, found });
+                    return Err(CurveError::TooMany {
+                        what: "parts of curves in tiles of 32 rows",
+                        most,
+                        found,
+                    });
                 }
             }
         }
@@ -62,7 +96,7 @@ impl Bins {
     }
 
     fn at(&self, row: usize, column: usize) -> &[Entry] {
-        &self.tiles[row * self.across + column]
+        &self.tiles[(row - self.of.first) * self.of.across + column]
     }
 }
 
