@@ -18,7 +18,8 @@ use crate::value::curves::CurveError;
 /// # Differs from the paper
 /// The paper paints quadrangles over each other; here a sample takes the gradient of its nearest place on the curve,
 /// so that a strip that folds over itself at a sharp bend has neither holes nor spikes. Outer sides of bends are
-/// round. A plateau thinner than a cell marks a connected line of samples. The strip that is smoothed into an existing
+/// round. Beside free ground and around the ends of a curve a slope is followed less and less, so that it shows no border.
+/// A plateau thinner than a cell marks a connected line of samples. The strip that is smoothed into an existing
 /// terrain [weiss2015, chapter V] may fade over a share of its width.
 ///
 /// # Limits

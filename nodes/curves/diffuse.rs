@@ -152,7 +152,8 @@ impl Diffuse {
         let beyond = (x * x + y * y).sqrt();
         let guided = height.is_none() && mark & (Mark::Gradient.bit() | Mark::Open.bit()) != 0;
         let hold = if height.is_some() { self.hold.0 as f32 } else { 0.0 };
-        let gradient = if guided { self.follow.0 as f32 } else { hold * beyond };
+        let trust = planes.trust.as_ref().map_or(1.0, |p| p[i]);
+        let gradient = if guided { self.follow.0 as f32 * trust } else { hold * beyond };
         let hold = hold * (1.0 - beyond);
         let Some(base) = base else {
             return Weights { fixed: hold, target: height.unwrap_or(0.0), gradient };

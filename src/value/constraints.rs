@@ -47,6 +47,8 @@ pub struct Planes {
     /// Rise along that direction, as a tangent, below 0 where the ground falls: the mean over the step to the sample from
     /// the neighbours that heights flow from.
     pub steepness: Option<Vec<f32>>,
+    /// How far the gradient of a sample is followed, from 0 to 1: less towards the ends of a slope.
+    pub trust: Option<Vec<f32>>,
     /// Amplitude in metres and roughness from 0 to 1.
     pub noise: Option<Vec<[f32; 2]>>,
     /// Weight of smoothing into an existing terrain, from 0 to 1.
@@ -68,13 +70,14 @@ impl Constraints {
     pub fn new(grid: Grid, planes: Planes) -> Self {
         let n = grid.len();
         let fits = |len: Option<usize>| len.is_none_or(|len| len == n);
-        let Planes { marks, height, lean, direction, steepness, noise, envelope } = &planes;
+        let Planes { marks, height, lean, direction, steepness, trust, noise, envelope } = &planes;
         let all = [
             Some(marks.len()),
             height.as_ref().map(Vec::len),
             lean.as_ref().map(Vec::len),
             direction.as_ref().map(Vec::len),
             steepness.as_ref().map(Vec::len),
+            trust.as_ref().map(Vec::len),
             noise.as_ref().map(Vec::len),
             envelope.as_ref().map(Vec::len),
         ];
@@ -136,7 +139,7 @@ impl Constraints {
 
     /// Column and row of the first sample, in row order, of a plane that has a number that is not finite.
     pub fn first_not_finite(&self) -> Option<(usize, usize)> {
-        let Planes { height, lean, direction, steepness, noise, envelope, .. } = &*self.planes;
+        let Planes { height, lean, direction, steepness, trust, noise, envelope, .. } = &*self.planes;
         let first = |plane: Option<&[f32]>, channels: usize| {
             plane.and_then(|p| p.iter().position(|v| !v.is_finite())).map(|at| at / channels)
         };
@@ -147,6 +150,7 @@ impl Constraints {
             pairs(lean),
             pairs(direction),
             single(steepness),
+            single(trust),
             pairs(noise),
             single(envelope),
         ];
@@ -161,6 +165,7 @@ impl Constraints {
             + 8 * u64::from(p.lean.is_some())
             + 8 * u64::from(p.direction.is_some())
             + 4 * u64::from(p.steepness.is_some())
+            + 4 * u64::from(p.trust.is_some())
             + 8 * u64::from(p.noise.is_some())
             + 4 * u64::from(p.envelope.is_some());
         per_sample * self.grid.len() as u64

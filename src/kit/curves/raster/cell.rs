@@ -44,6 +44,7 @@ pub(super) struct Nearest {
     distance: f64,
     direction: [f32; 2],
     steepness: f32,
+    trust: f32,
     ties: f32,
 }
 
@@ -103,6 +104,11 @@ impl Edges {
 /// How much longer than the farther of two distances the way between two feet may be for both to be one branch: a
 /// half circle has π.
 const WINDING: f64 = 4.0;
+
+/// Over how long a way to the end of a curve trust in its slope fades, as a share of the distance from its plateau.
+const ENDS: f64 = 1.0;
+/// Over which share of a slope, beside free ground, trust in it fades.
+const SIDES: f64 = 0.3;
 
 /// What a part of a curve is to a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -184,6 +190,20 @@ impl Ribbon {
 }
 
 impl Part {
+    /// How far the slope at a spot is followed: less towards its side where heights flow out, and towards the ends of the
+    /// curve the less the farther out, so that no line shows where it stops.
+    #[inline(always)]
+    fn trust(&self, spot: &Spot, ribbon: &Ribbon) -> f64 {
+        let smooth = |t: f64| if t >= 1.0 { 1.0 } else { t * t * (3.0 - 2.0 * t) };
+        let x = (spot.distance - self.radius.at(spot.share)).max(0.0);
+        let arc = self.arc + spot.share * self.shape.length;
+        let end = arc.min(ribbon.length - arc).max(0.0);
+        let along = if end < ENDS * x { smooth(end / (ENDS * x)) } else { 1.0 };
+        let left = (1.0 - x / self.extent[spot.side].at(spot.share)).max(0.0);
+        let across = if ribbon.has_height && left < SIDES { smooth(left / SIDES) } else { 1.0 };
+        along * across
+    }
+
     /// Mean steepness away from the curve over the step to a spot from the neighbours that heights flow from: across a
     /// step of `cell · |n|` along each axis the ground rises by just what the profile does, wherever the plateau ends
     /// between samples.
@@ -217,7 +237,7 @@ impl Part {
 impl Nearest {
     /// No part yet.
     pub(super) const NOTHING: Self =
-        Self { distance: f64::INFINITY, direction: [0.0; 2], steepness: 0.0, ties: 0.0 };
+        Self { distance: f64::INFINITY, direction: [0.0; 2], steepness: 0.0, trust: 0.0, ties: 0.0 };
 
     /// Whether there is a part.
     #[inline(always)]
@@ -235,13 +255,15 @@ impl Nearest {
         // Both are turned round where heights flow towards the curve.
         let sign = if flows_away { 1.0 } else { -1.0 };
         let steepness = (sign * part.steepness(spot, flows_away)) as f32;
+        let trust = part.trust(spot, ribbon) as f32;
         let direction = spot.away.map(|x| (sign * x) as f32);
         if spot.distance < self.distance - slack {
-            *self = Self { distance: spot.distance, direction, steepness, ties: 1.0 };
+            *self = Self { distance: spot.distance, direction, steepness, trust, ties: 1.0 };
         } else {
             self.distance = self.distance.min(spot.distance);
             self.direction = [self.direction[0] + direction[0], self.direction[1] + direction[1]];
             self.steepness += steepness;
+            self.trust += trust;
             self.ties += 1.0;
         }
     }
@@ -249,14 +271,14 @@ impl Nearest {
     /// Direction and steepness of the equally near parts together: what each says along their common direction; `None`
     /// where they contradict each other.
     #[inline]
-    pub(super) fn mean(&self) -> Option<([f32; 2], f32)> {
+    pub(super) fn mean(&self) -> Option<([f32; 2], f32, f32)> {
         if self.ties == 1.0 {
-            return Some((self.direction, self.steepness));
+            return Some((self.direction, self.steepness, self.trust));
         }
         let length = norm(self.direction.map(f64::from)) as f32;
         let share = length / self.ties;
         let steepness = self.steepness / self.ties * share;
-        (share > 1e-6).then(|| (self.direction.map(|x| x / length), steepness))
+        (share > 1e-6).then(|| (self.direction.map(|x| x / length), steepness, self.trust / self.ties))
     }
 }
 

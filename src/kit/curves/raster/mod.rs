@@ -26,6 +26,9 @@
 //! - A plateau thinner than a cell marks a connected line of cells (every column's, or every row's nearest cell), and
 //!   so does a curve that has noise and no elevation.
 //! - A cell on a curve without elevation has no side and so no gradient: it is left open.
+//! - A slope is trusted less towards its outer side, where it has a height to start from, and around the ends of its
+//!   curve the less the farther out: the gradient is the paper's, but the land beside may pull at it, so that no line
+//!   shows where the strip stops.
 //! - On the low side of a cliff without elevation heights flow away from the curve, not towards it: one wall from the
 //!   high ground down, where the paper's two halves would meet in a step on the curve.
 //! - Weiss's envelope is 1 inside and 0 outside; here it may fade over a share of its width (`feather`). As in his
@@ -96,6 +99,7 @@ pub fn rasterise(
         lean: any(ribbon::has_edge).then(|| vec![[0.0; 2]; n]),
         direction: any(|c| c.tracks().slope.is_some()).then(|| vec![[0.0; 2]; n]),
         steepness: any(|c| c.tracks().slope.is_some()).then(|| vec![0.0; n]),
+        trust: any(|c| c.tracks().slope.is_some()).then(|| vec![0.0; n]),
         noise: any(|c| c.tracks().noise.is_some()).then(|| vec![[0.0; 2]; n]),
         envelope: any(|c| c.tracks().envelope.is_some()).then(|| vec![0.0; n]),
     };

@@ -107,6 +107,8 @@ pub(super) struct Ribbon {
     pub(super) has_noise: bool,
     /// A cell, in metres.
     pub(super) cell: f64,
+    /// Length of the curve, in metres; without end where it is closed.
+    pub(super) length: f64,
 }
 
 /// What holds at a corner of the polyline.
@@ -180,6 +182,7 @@ impl Ribbon {
             has_slope: t.slope.is_some(),
             has_noise: t.noise.is_some(),
             cell,
+            length: if curve.is_closed() { f64::INFINITY } else { curve.length() },
         };
         if !(ribbon.has_height || ribbon.has_slope || ribbon.has_noise) {
             return ribbon;

@@ -110,6 +110,7 @@ pub(super) struct Band<'a> {
     lean: Option<&'a mut [[f32; 2]]>,
     direction: Option<&'a mut [[f32; 2]]>,
     steepness: Option<&'a mut [f32]>,
+    trust: Option<&'a mut [f32]>,
     noise: Option<&'a mut [[f32; 2]]>,
     envelope: Option<&'a mut [f32]>,
 }
@@ -121,10 +122,10 @@ impl<'a> Band<'a> {
             std::iter::from_fn(move || Some(chunks.as_mut().and_then(Iterator::next)))
         }
         let n = SIDE * grid.cols;
-        let Planes { marks, height, lean, direction, steepness, noise, envelope } = planes;
+        let Planes { marks, height, lean, direction, steepness, trust, noise, envelope } = planes;
         let (mut height, mut lean, mut direction) = (cut(height, n), cut(lean, n), cut(direction, n));
         let (mut steepness, mut noise) = (cut(steepness, n), cut(noise, n));
-        let mut envelope = cut(envelope, n);
+        let (mut trust, mut envelope) = (cut(trust, n), cut(envelope, n));
         let band = |(number, marks): (usize, &'a mut [u8])| Self {
             number,
             rows: marks.len() / grid.cols,
@@ -133,6 +134,7 @@ impl<'a> Band<'a> {
             lean: lean.next().flatten(),
             direction: direction.next().flatten(),
             steepness: steepness.next().flatten(),
+            trust: trust.next().flatten(),
             noise: noise.next().flatten(),
             envelope: envelope.next().flatten(),
         };
@@ -161,16 +163,22 @@ impl Band<'_> {
     /// Takes up the gradient that a curve gives a cell; where another curve gave one, or it contradicts itself, the
     /// cell is left open.
     #[inline]
-    fn slope(&mut self, at: usize, gradient: Option<([f32; 2], f32)>) {
-        let (Some(direction), Some(steepness)) = (&mut self.direction, &mut self.steepness) else { return };
+    fn slope(&mut self, at: usize, gradient: Option<([f32; 2], f32, f32)>) {
+        let (Some(direction), Some(steepness), Some(trust)) =
+            (&mut self.direction, &mut self.steepness, &mut self.trust)
+        else {
+            return;
+        };
         let mark = &mut self.marks[at];
         if *mark & (Mark::Gradient.bit() | Mark::Open.bit()) == 0
             && let Some(gradient) = gradient
         {
-            (direction[at], steepness[at]) = gradient;
+            (direction[at], steepness[at], trust[at]) = gradient;
             *mark |= Mark::Gradient.bit();
         } else {
+            // What diffusion says there is followed as far as the most trusted.
             (direction[at], steepness[at]) = ([0.0; 2], 0.0);
+            trust[at] = trust[at].max(gradient.map_or(1.0, |g| g.2));
             *mark = *mark & !Mark::Gradient.bit() | Mark::Open.bit();
         }
     }
