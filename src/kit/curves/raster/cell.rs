@@ -108,7 +108,7 @@ const WINDING: f64 = 4.0;
 /// Over how long a way to the end of a curve trust in its slope fades, as a share of the distance from its plateau.
 const ENDS: f64 = 1.0;
 /// Over which share of a slope, beside free ground, trust in it fades.
-const SIDES: f64 = 0.3;
+const SIDES: f64 = 0.2;
 
 /// What a part of a curve is to a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
