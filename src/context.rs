@@ -88,6 +88,8 @@ pub struct Context<'a> {
     pub cancel: &'a Cancel,
     /// Told the finished share, 0 to 1.
     pub progress: &'a (dyn Fn(f32) + Sync),
+    /// Told what a person should know of the result; nodes call [`warn`](Self::warn).
+    pub warnings: &'a (dyn Fn(String) + Sync),
     /// The part of the whole work that this context stands for.
     pub share: (f32, f32),
 }
@@ -107,7 +109,17 @@ impl<'a> Context<'a> {
     /// A context on a grid with nothing declared, for tests and benches of single nodes.
     pub fn bare(grid: Grid, world: &'a Terrain, cancel: &'a Cancel) -> Self {
         let reads = Reads::ALL;
-        Self { grid, reads, world, whole: None, files: &[], cancel, progress: &|_| (), share: (0.0, 1.0) }
+        Self {
+            grid,
+            reads,
+            world,
+            whole: None,
+            files: &[],
+            cancel,
+            progress: &|_| (),
+            warnings: &|_| (),
+            share: (0.0, 1.0),
+        }
     }
 
     /// Extent, sea level and base grid of the terrain.
@@ -159,6 +171,13 @@ impl<'a> Context<'a> {
     pub fn report(&self, done: f32) {
         let (from, to) = self.share;
         (self.progress)(from + (to - from) * done.clamp(0.0, 1.0));
+    }
+
+    /// Says what a person should know of the result, in a sentence without a full stop: what was left out, what may not be
+    /// meant. It must depend on nothing but what the result depends on. The engine names the node, says a sentence once,
+    /// and says it again for a result that it has in memory.
+    pub fn warn(&self, message: impl Into<String>) {
+        (self.warnings)(message.into());
     }
 
     /// A context for the part of the work from one share to another: two passes use `stage(0.0, 0.5)` and

@@ -2,6 +2,7 @@
 
 use crate::kit::curves::raster::{self, Options};
 use crate::prelude::*;
+use crate::value::curves::CurveError;
 
 /// Puts feature curves on the base grid, as the constraints that `diffuse` starts from.
 ///
@@ -9,12 +10,16 @@ use crate::prelude::*;
 /// the slope, on which the steepness fades linearly to nothing [hnaidi2010, section 4.1]. Where fixed values of several
 /// curves meet they are averaged; where gradients of different curves meet the samples are left open, and diffusion
 /// fills them. A curve with slopes and no height gives its gradient the other way round, so that heights flow towards
-/// it and the slope stays what it is.
+/// it and the slope stays what it is; across a cliff they flow down all the way.
+///
+/// Edges lie between samples: a sample beside one says how far off it is, and a slope says what it rises from sample to
+/// sample, so that walls are smooth along their curves, not stairs of base cells.
 ///
 /// # Differs from the paper
 /// The paper paints quadrangles over each other; here a sample takes the gradient of its nearest place on the curve,
 /// so that a strip that folds over itself at a sharp bend has neither holes nor spikes. Outer sides of bends are
-/// round. A plateau thinner than a cell marks a connected line of samples. The strip that is smoothed into an existing
+/// round. Beside free ground and around the ends of a curve a slope is followed less and less, so that it shows no border.
+/// A plateau thinner than a cell marks a connected line of samples. The strip that is smoothed into an existing
 /// terrain [weiss2015, chapter V] may fade over a share of its width.
 ///
 /// # Limits
@@ -37,12 +42,6 @@ ports! {
     }
 }
 
-/// Bytes for curves of an ordinary scene: their polylines, and where these cross which tile.
-const CURVES: u64 = 16 << 20;
-
-/// Most bytes that rasterising may take beside its planes, whatever the curves: they are not known when the plan is made.
-const MOST: u64 = 1 << 30;
-
 impl Node for CurveRaster {
     type In = Inputs;
     type Out = Outputs;
@@ -59,22 +58,20 @@ impl Node for CurveRaster {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        Cost { bytes: CURVES + grid.len() as u64, ..Cost::per_sample(grid, 15.0) }
+        Cost { bytes: raster::BESIDE, ..Cost::per_sample(grid, 15.0) }
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { curves }: Inputs) -> Result<Outputs> {
-        let work = raster::estimate(&curves, &cx.grid);
-        let beside = work.bytes.saturating_sub(30 * cx.grid.len() as u64);
-        if beside > MOST {
-            let (need, most) = (beside >> 20, MOST >> 20);
-            let message = format!(
-                "has curves that take about {need} MiB on this grid, the limit is {most} MiB; simplify them or lower the base"
-            );
-            return Err(Error::Input { port: "curves", message });
-        }
         let options = Options { feather: self.feather.0 };
         let stop = || cx.cancel.is_cancelled();
         let constraints = raster::rasterise(&curves, &cx.grid, &options, &stop);
-        Ok(Outputs { constraints: constraints.map_err(Error::of_curves)? })
+        let named = |e| match e {
+            CurveError::TooMany { .. } => {
+                let message = format!("has {e}; simplify the curves or lower the base");
+                Error::Input { port: "curves", message }
+            }
+            other => Error::of_curves(other),
+        };
+        Ok(Outputs { constraints: constraints.map_err(named)? })
     }
 }

@@ -11,7 +11,8 @@ use crate::value::{Mark, Planes};
 /// First the gradient, its direction and its steepness, is spread from the slopes beside the curves; then the height,
 /// guided by it [hnaidi2010, section 4.2]. The height of a sample is
 /// `laplace · mean of its neighbours + gradient · (neighbour towards the curve + G) + fixed · constraint`, the three
-/// weights summing to 1: on plateaus `fixed` is `hold`, on slopes `gradient` is `follow`, elsewhere all is `laplace`.
+/// weights summing to 1: on plateaus `fixed` is `hold`, on slopes `gradient` is `follow`, elsewhere all is `laplace`. Of a
+/// sample beside the edge of a plateau `fixed` shares with the neighbours beyond, by the distance of the edge.
 /// Amplitude and roughness of `multifractal` spread from where curves set them.
 ///
 /// With a `base` it works inside the smoothed strips of the curves only [weiss2015, chapter V]: beyond them, and where
@@ -106,15 +107,16 @@ impl Node for Diffuse {
         let spread = Spread { quality: self.quality, planes };
         let gradient = spread.gradient(&cx.stage(0.0, 0.45))?;
         let base = base.map(|b| b.crop(&cx.grid));
-        let height = self.height(&spread, &cx.stage(0.45, 0.7), gradient.as_ref(), base.as_ref())?;
-        let gradient = gradient.map_or_else(|| vec![[0.0; 2]; cx.grid.len()], Gradient::vectors);
+        let vectors = gradient.as_ref().map_or_else(|| vec![[0.0; 2]; cx.grid.len()], Gradient::vectors);
+        let guides = spread.leaning(gradient);
+        let height = self.height(&spread, &cx.stage(0.45, 0.7), guides, base.as_ref())?;
         let [amplitude, roughness] = spread.noise(&cx.stage(0.7, 1.0))?;
         let field = |quantity, data| Field::new(cx.grid, quantity, data);
         Ok(Outputs {
             height: field(Quantity::Elevation, height),
             amplitude: field(Quantity::Length, amplitude),
             roughness: field(Quantity::Mask, roughness),
-            gradient: Vectors::new(cx.grid, Quantity::Vector, gradient),
+            gradient: Vectors::new(cx.grid, Quantity::Vector, vectors),
         })
     }
 }
@@ -124,14 +126,14 @@ impl Diffuse {
         &self,
         spread: &Spread<'_>,
         cx: &Context<'_>,
-        gradient: Option<&Gradient>,
+        guides: Option<Gradient>,
         base: Option<&Field>,
     ) -> Result<Vec<f32>> {
         let planes = spread.planes;
         let weights = |i: usize| self.weights(planes, i, base.map(|b| b.data()[i]));
         let fixed = filled(planes, |i| weights(i).fixed);
         let target = filled(planes, |i| weights(i).target);
-        let Some(Gradient { x, y, steepness }) = gradient else {
+        let Some(Gradient { x, y, steepness }) = &guides else {
             return spread.solve(cx, &fixed, &target, None);
         };
         let weight = filled(planes, |i| weights(i).gradient);
@@ -143,10 +145,16 @@ impl Diffuse {
     /// smoothed strip leaves stays as the base has it.
     fn weights(&self, planes: &Planes, i: usize, base: Option<f32>) -> Weights {
         let mark = planes.marks[i];
-        let height = planes.height.as_ref().filter(|_| mark & Mark::Height.bit() != 0).map(|p| p[i]);
+        let known = mark & (Mark::Height.bit() | Mark::Edge.bit()) != 0;
+        let height = planes.height.as_ref().filter(|_| known).map(|p| p[i]);
+        // Where a plateau ends between samples, the neighbours beyond have their share.
+        let [x, y] = planes.lean.as_ref().map_or([0.0; 2], |p| p[i]);
+        let beyond = (x * x + y * y).sqrt();
         let guided = height.is_none() && mark & (Mark::Gradient.bit() | Mark::Open.bit()) != 0;
         let hold = if height.is_some() { self.hold.0 as f32 } else { 0.0 };
-        let gradient = if guided { self.follow.0 as f32 } else { 0.0 };
+        let trust = planes.trust.as_ref().map_or(1.0, |p| p[i]);
+        let gradient = if guided { self.follow.0 as f32 * trust } else { hold * beyond };
+        let hold = hold * (1.0 - beyond);
         let Some(base) = base else {
             return Weights { fixed: hold, target: height.unwrap_or(0.0), gradient };
         };
@@ -184,9 +192,13 @@ struct Gradient {
 
 impl Gradient {
     /// In metres per metre to the east and south.
-    fn vectors(self) -> Vec<[f32; 2]> {
+    fn vectors(&self) -> Vec<[f32; 2]> {
         let both = self.x.par_iter().zip(&self.y).zip(&self.steepness);
         both.map(|((x, y), steep)| [x * steep, y * steep]).collect()
+    }
+
+    fn nowhere(n: usize) -> Self {
+        Self { x: vec![0.0; n], y: vec![0.0; n], steepness: vec![0.0; n] }
     }
 }
 
@@ -206,6 +218,21 @@ impl Spread<'_> {
         renormalise(&mut x, &mut y);
         let steepness = self.solve(&cx.stage(2.0 / 3.0, 1.0), &fixed, steepness, None)?;
         Ok(Some(Gradient { x, y, steepness }))
+    }
+
+    /// The gradient as guidance: at the edges of plateaus level and towards them, so that a sample beside an edge takes
+    /// its share of the neighbours beyond.
+    fn leaning(&self, gradient: Option<Gradient>) -> Option<Gradient> {
+        let Some(lean) = &self.planes.lean else { return gradient };
+        let mut guides = gradient.unwrap_or_else(|| Gradient::nowhere(lean.len()));
+        let Gradient { x, y, steepness } = &mut guides;
+        let all = x.par_iter_mut().zip(y).zip(steepness).zip(lean);
+        all.with_min_len(1 << 14).filter(|(_, lean)| **lean != [0.0; 2]).for_each(
+            |(((x, y), steep), lean)| {
+                (*x, *y, *steep) = (-lean[0], -lean[1], 0.0);
+            },
+        );
+        Some(guides)
     }
 
     /// Amplitude and roughness, spread from where curves say them.

@@ -11,7 +11,8 @@ use crate::value::curves::CurveSpec;
 /// roughness of noise; how wide the strip is that is smoothed into an existing terrain. Left and right are those of
 /// somebody who walks along growing `u`; angles are positive where the ground rises away from the curve. Between two
 /// places values change linearly, the height along a cubic that does not overshoot; beyond the first and the last they
-/// are held.
+/// are held, so that both ends carry every group of the curve. One place is enough: what it says then holds along the
+/// whole curve. A curve without any place, or without a line, is an error that names the curve.
 ///
 /// A curve is written in as few numbers as will do: `{ "through": [x, y, …], "height": [u, h, r, …], "slope": [u, a, b,
 /// θ, φ, …] }`.

@@ -16,7 +16,7 @@ use crate::value::curves::CurveError;
 /// property is an attribute `data-NAME` or `NAME`.
 ///
 /// # Limits
-/// A line of which nothing is set is left out. Coordinates are taken for metres: a file in degrees must be
+/// A line of which nothing is set is left out, and so is what is no line; a warning says how many. Coordinates are taken for metres: a file in degrees must be
 /// projected first, or all its lines lie within some hundred metres.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -89,7 +89,8 @@ impl Node for ImportCurves {
         let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;
         let text = std::str::from_utf8(&file.bytes).map_err(|e| fault(format!("is not UTF-8 text: {e}")))?;
         let read = self.read(cx, text)?;
-        let Imported { curves, .. } = read.map_err(|e| fault(e.to_string()))?;
+        let Imported { curves, warnings } = read.map_err(|e| fault(e.to_string()))?;
+        warnings.into_iter().for_each(|warning| cx.warn(warning));
         Ok(Outputs { curves })
     }
 }

@@ -240,7 +240,7 @@ impl Build<'_> {
         // What runs on the base grid or on none runs here and not again; the few samples themselves are no news.
         let lasting = |t: &&TaskReport| !matches!(t.stage, Stage::Run | Stage::Lift);
         let lasting: Vec<TaskReport> = looks.tasks.iter().filter(lasting).cloned().collect();
-        report.tasks(&lasting, looks.peak_bytes, looks.planned_bytes);
+        self.enter(&lasting, &looks, report);
         let mut ranged = Vec::new();
         for (job, value) in jobs.iter_mut().zip(&looks.values) {
             if let Ok(value) = value {
@@ -261,7 +261,7 @@ impl Build<'_> {
         for job in jobs.iter_mut().filter(|j| ranged.contains(&j.name)) {
             let wants = [job.want(base)];
             let evaluation = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
-            report.tasks(&evaluation.tasks, evaluation.peak_bytes, evaluation.planned_bytes);
+            self.enter(&evaluation.tasks, &evaluation, report);
             match &evaluation.values[0] {
                 Ok(value) => job.take_range(value),
                 Err(f) => failures.push(fault(job, f)),
@@ -286,7 +286,14 @@ impl Build<'_> {
     fn values(&self, jobs: &[Job], grid: &Grid, report: &mut Report) -> Result<Evaluation, EngineError> {
         let wants: Vec<_> = jobs.iter().map(|j| j.want(*grid)).collect();
         let evaluation = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
-        report.tasks(&evaluation.tasks, evaluation.peak_bytes, evaluation.planned_bytes);
+        self.enter(&evaluation.tasks, &evaluation, report);
         Ok(evaluation)
+    }
+
+    /// Enters tasks of an evaluation in the report, and says what their nodes warn of.
+    fn enter(&self, tasks: &[TaskReport], of: &Evaluation, report: &mut Report) {
+        for warning in report.tasks(tasks, of.peak_bytes, of.planned_bytes) {
+            self.progress.say(&format!("warning: {warning}"));
+        }
     }
 }

@@ -154,6 +154,10 @@ fn from_graph(
     let engine = Engine::new(&args.engine.options(), files)?;
     let wants: Vec<Want> = [height].into_iter().chain(color).collect();
     let evaluation = engine.evaluate(&graph, &wants, progress, cancel)?;
+    for task in &evaluation.tasks {
+        let named = |warning| format!("warning: node `{}`: {warning}", task.node);
+        task.warnings.iter().map(named).for_each(|line| progress.say(&line));
+    }
     subject(graph.terrain().sea_level, evaluation.values)
 }
 

@@ -80,7 +80,9 @@ impl Report {
         self.failures.push(json!({ "output": output, "error": message }));
     }
 
-    pub(super) fn tasks(&mut self, tasks: &[TaskReport], peak_bytes: u64, planned_bytes: u64) {
+    /// Takes up what an evaluation did; gives what nodes said of their results and did not say before.
+    pub(super) fn tasks(&mut self, tasks: &[TaskReport], peak_bytes: u64, planned_bytes: u64) -> Vec<String> {
+        let mut news = Vec::new();
         self.peak_bytes = self.peak_bytes.max(peak_bytes);
         self.planned_bytes = self.planned_bytes.max(planned_bytes);
         for task in tasks {
@@ -93,7 +95,14 @@ impl Report {
                 Some(_) => total.cached += 1,
                 None => total.runs += 1,
             }
+            for warning in task.warnings.iter().map(|w| format!("node `{}`: {w}", task.node)) {
+                if !self.warnings.contains(&warning) {
+                    self.warnings.push(warning.clone());
+                    news.push(warning);
+                }
+            }
         }
+        news
     }
 
     /// Writes the report whole.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::disk::Disk;
 use super::key::Key;
@@ -40,11 +40,14 @@ impl Given {
     }
 }
 
+/// What a node said of its result, sorted.
+pub(super) type Warnings = Arc<[String]>;
+
 /// A result that the store has already.
 #[derive(Clone, Debug)]
 pub(super) enum Found {
-    /// In memory.
-    Memory(Given),
+    /// In memory, with what was said of it.
+    Memory(Given, Warnings),
     /// In a file of the cache folder.
     Disk(PathBuf),
 }
@@ -52,14 +55,14 @@ pub(super) enum Found {
 impl Found {
     pub(super) fn place(&self) -> &'static str {
         match self {
-            Self::Memory(_) => "memory",
+            Self::Memory(..) => "memory",
             Self::Disk(_) => "disk",
         }
     }
 
     pub(super) fn bytes(&self) -> Option<u64> {
         match self {
-            Self::Memory(given) => Some(given.bytes()),
+            Self::Memory(given, _) => Some(given.bytes()),
             // The samples and a little: the window of the file may be wider than the one that is wanted.
             Self::Disk(path) => Some(std::fs::metadata(path).ok()?.len()),
         }
@@ -85,6 +88,7 @@ struct Memory {
 struct Entry {
     grid: Grid,
     given: Given,
+    warnings: Warnings,
     used: u64,
 }
 
@@ -99,15 +103,15 @@ impl Store {
 
     /// A result whose window holds the wanted one.
     pub(super) fn find(&self, key: &Key, grid: &Grid) -> Option<Found> {
-        if let Some(given) = self.memory().get(key, grid) {
-            return Some(Found::Memory(given));
+        if let Some((given, warnings)) = self.memory().get(key, grid) {
+            return Some(Found::Memory(given, warnings));
         }
         self.disk.as_ref()?.find(key, grid).map(Found::Disk)
     }
 
     /// Keeps a result; in memory as long as there is room.
-    pub(super) fn keep(&self, key: Key, grid: Grid, given: &Given) {
-        self.memory().put(key, grid, given.clone());
+    pub(super) fn keep(&self, key: Key, grid: Grid, given: &Given, warnings: &Warnings) {
+        self.memory().put(key, grid, given.clone(), warnings.clone());
     }
 
     /// Sets how many bytes may be held in memory, and drops the least used beyond it.
@@ -124,14 +128,14 @@ impl Store {
 }
 
 impl Memory {
-    fn get(&mut self, key: &Key, grid: &Grid) -> Option<Given> {
+    fn get(&mut self, key: &Key, grid: &Grid) -> Option<(Given, Warnings)> {
         self.clock += 1;
         let entry = self.entries.get_mut(key)?.iter_mut().find(|e| e.grid.contains(grid))?;
         entry.used = self.clock;
-        Some(entry.given.clone())
+        Some((entry.given.clone(), entry.warnings.clone()))
     }
 
-    fn put(&mut self, key: Key, grid: Grid, given: Given) {
+    fn put(&mut self, key: Key, grid: Grid, given: Given, warnings: Warnings) {
         let bytes = given.bytes();
         if bytes > self.limit {
             return;
@@ -148,7 +152,7 @@ impl Memory {
             kept
         });
         debug_assert!(self.bytes <= before);
-        entries.push(Entry { grid, given, used: self.clock });
+        entries.push(Entry { grid, given, warnings, used: self.clock });
         self.bytes += bytes;
         self.shrink();
     }

@@ -88,7 +88,7 @@ impl Task {
 
     /// Whether its result is in memory before it runs.
     pub(super) fn held(&self) -> bool {
-        matches!(self.found, Some(Found::Memory(_)))
+        matches!(self.found, Some(Found::Memory(..)))
     }
 }
 

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use rayon::Scope;
 
-use super::cache::{Found, Given, Store};
+use super::cache::{Found, Given, Store, Warnings};
 use super::error::{Failure, SharedFailure};
 use super::plan::{Plan, Role, Stage, Task};
 use super::{lift, mix};
@@ -63,6 +63,9 @@ pub struct TaskReport {
     pub seconds: f64,
     /// Bytes of its outputs.
     pub bytes: u64,
+    /// What the node said of its result, also where memory had it, sorted. A result that somebody warned of is written
+    /// to no file, so that the next process hears it, too; a node whose consumers all were cached is not asked.
+    pub warnings: Vec<String>,
     /// Whether it ended with a result.
     pub done: bool,
 }
@@ -226,14 +229,18 @@ impl Runner<'_> {
         let start = Instant::now();
         self.observer.started(i);
         let mut damaged = false;
+        let mut warnings = Warnings::default();
         let end = match inputs(needs) {
             Err(failure) => Err(failure),
             Ok(given) => match &task.found {
-                Some(Found::Memory(given)) => Ok(Arc::new(given.clone())),
+                Some(Found::Memory(given, said)) => {
+                    warnings = said.clone();
+                    Ok(Arc::new(given.clone()))
+                }
                 Some(Found::Disk(path)) => {
                     match self.store.disk.as_ref().and_then(|d| d.get(path, step.kind)) {
                         Some(given) => {
-                            self.store.keep(task.key, task.grid, &given);
+                            self.store.keep(task.key, task.grid, &given, &warnings);
                             Ok(Arc::new(given))
                         }
                         None => {
@@ -243,7 +250,7 @@ impl Runner<'_> {
                     }
                 }
                 None => self
-                    .compute(i, task, &given)
+                    .compute(i, task, &given, &mut warnings)
                     .map_err(|error| Arc::new(Failure::Run { node: step.name.clone(), error })),
             },
         };
@@ -257,12 +264,19 @@ impl Runner<'_> {
             cached: task.found.as_ref().map(Found::place),
             seconds,
             bytes: end.as_ref().map_or(0, |g| g.bytes()),
+            warnings: warnings.to_vec(),
             done: end.is_ok(),
         };
         (end, report, damaged)
     }
 
-    fn compute(&self, i: usize, task: &Task, given: &[Arc<Given>]) -> Result<Arc<Given>> {
+    fn compute(
+        &self,
+        i: usize,
+        task: &Task,
+        given: &[Arc<Given>],
+        warnings: &mut Warnings,
+    ) -> Result<Arc<Given>> {
         self.cancel.check()?;
         let step = self.plan.step(task);
         let needs: Vec<_> = task.needs.iter().map(|(role, _)| *role).zip(given).collect();
@@ -278,6 +292,11 @@ impl Runner<'_> {
                 self.observer.progress(i, share);
             }
         };
+        // From any thread, in any order, and perhaps the same twice.
+        let said = Mutex::new(BTreeSet::new());
+        let warn = |message: String| {
+            said.lock().unwrap_or_else(PoisonError::into_inner).insert(message);
+        };
         let cx = Context {
             grid: task.grid,
             reads: step.kind.meta.reads,
@@ -286,12 +305,16 @@ impl Runner<'_> {
             files: &step.files,
             cancel: self.cancel,
             progress: &progress,
+            warnings: &warn,
             share: (0.0, 1.0),
         };
         let work = || stage(&cx, task, &*step.node, step.kind, &needs);
-        let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)))?;
-        self.store.keep(task.key, task.grid, &given);
-        if let Some(disk) = self.store.disk.as_ref().filter(|_| given.is_raster()) {
+        let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)));
+        *warnings = said.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect();
+        let given = given?;
+        self.store.keep(task.key, task.grid, &given, warnings);
+        // A file holds samples and no warnings.
+        if let Some(disk) = self.store.disk.as_ref().filter(|_| given.is_raster() && warnings.is_empty()) {
             // A full disk costs the next process time, not this one its result.
             let _ = disk.put(&task.key, &task.grid, &given);
         }

@@ -15,6 +15,8 @@ pub enum Mark {
     Noise,
     /// That gradients of different curves meet there, so that none is given.
     Open,
+    /// That a plateau ends within a step of it: its height is that of the plateau, [`Planes::lean`] says how far off.
+    Edge,
 }
 
 impl Mark {
@@ -25,6 +27,7 @@ impl Mark {
             Self::Gradient => 2,
             Self::Noise => 4,
             Self::Open => 8,
+            Self::Edge => 16,
         }
     }
 }
@@ -34,12 +37,18 @@ impl Mark {
 pub struct Planes {
     /// Bits of [`Mark`].
     pub marks: Vec<u8>,
-    /// Height, in metres.
+    /// Height of the plateau that holds the sample, or ends right beside it, in metres.
     pub height: Option<Vec<f32>>,
+    /// How the edge of a plateau lies between samples: the direction away from it, as long as the share of the
+    /// neighbours over there in the height of the sample; the plateau has the rest. 0 where the plateau alone counts.
+    pub lean: Option<Vec<[f32; 2]>>,
     /// The direction, of length one, in which heights flow: x east, y south.
     pub direction: Option<Vec<[f32; 2]>>,
-    /// Rise along that direction, as a tangent; below 0 where the ground falls.
+    /// Rise along that direction, as a tangent, below 0 where the ground falls: the mean over the step to the sample from
+    /// the neighbours that heights flow from.
     pub steepness: Option<Vec<f32>>,
+    /// How far the gradient of a sample is followed, from 0 to 1: less towards the ends of a slope.
+    pub trust: Option<Vec<f32>>,
     /// Amplitude in metres and roughness from 0 to 1.
     pub noise: Option<Vec<[f32; 2]>>,
     /// Weight of smoothing into an existing terrain, from 0 to 1.
@@ -61,12 +70,14 @@ impl Constraints {
     pub fn new(grid: Grid, planes: Planes) -> Self {
         let n = grid.len();
         let fits = |len: Option<usize>| len.is_none_or(|len| len == n);
-        let Planes { marks, height, direction, steepness, noise, envelope } = &planes;
+        let Planes { marks, height, lean, direction, steepness, trust, noise, envelope } = &planes;
         let all = [
             Some(marks.len()),
             height.as_ref().map(Vec::len),
+            lean.as_ref().map(Vec::len),
             direction.as_ref().map(Vec::len),
             steepness.as_ref().map(Vec::len),
+            trust.as_ref().map(Vec::len),
             noise.as_ref().map(Vec::len),
             envelope.as_ref().map(Vec::len),
         ];
@@ -95,6 +106,13 @@ impl Constraints {
         self.has(Mark::Height, [col, row]).then_some(height)
     }
 
+    /// Where a plateau ends right beside a column and row of the window: its height, and its lean.
+    pub fn edge(&self, [col, row]: [usize; 2]) -> Option<(f32, [f32; 2])> {
+        let at = row * self.grid.cols + col;
+        let both = (self.planes.height.as_ref()?[at], self.planes.lean.as_ref()?[at]);
+        (self.has(Mark::Edge, [col, row]) || both.1 != [0.0; 2]).then_some(both)
+    }
+
     /// Direction and steepness at a column and row of the window.
     pub fn gradient(&self, [col, row]: [usize; 2]) -> Option<([f32; 2], f32)> {
         let at = row * self.grid.cols + col;
@@ -121,13 +139,21 @@ impl Constraints {
 
     /// Column and row of the first sample, in row order, of a plane that has a number that is not finite.
     pub fn first_not_finite(&self) -> Option<(usize, usize)> {
-        let Planes { height, direction, steepness, noise, envelope, .. } = &*self.planes;
+        let Planes { height, lean, direction, steepness, trust, noise, envelope, .. } = &*self.planes;
         let first = |plane: Option<&[f32]>, channels: usize| {
             plane.and_then(|p| p.iter().position(|v| !v.is_finite())).map(|at| at / channels)
         };
         let pairs = |plane: &Option<Vec<[f32; 2]>>| first(plane.as_deref().map(bytemuck::cast_slice), 2);
         let single = |plane: &Option<Vec<f32>>| first(plane.as_deref(), 1);
-        let found = [single(height), pairs(direction), single(steepness), pairs(noise), single(envelope)];
+        let found = [
+            single(height),
+            pairs(lean),
+            pairs(direction),
+            single(steepness),
+            single(trust),
+            pairs(noise),
+            single(envelope),
+        ];
         found.into_iter().flatten().min().map(|at| (at % self.grid.cols, at / self.grid.cols))
     }
 
@@ -136,8 +162,10 @@ impl Constraints {
         let p = &*self.planes;
         let per_sample = 1
             + 4 * u64::from(p.height.is_some())
+            + 8 * u64::from(p.lean.is_some())
             + 8 * u64::from(p.direction.is_some())
             + 4 * u64::from(p.steepness.is_some())
+            + 4 * u64::from(p.trust.is_some())
             + 8 * u64::from(p.noise.is_some())
             + 4 * u64::from(p.envelope.is_some());
         per_sample * self.grid.len() as u64

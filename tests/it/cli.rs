@@ -482,3 +482,37 @@ fn convert_keeps_every_sample() {
     assert_eq!(code(&again), 2, "{}", said(&again));
     assert_eq!(code(&run(&["convert", &tif, &tif, "--overwrite"])), 2);
 }
+
+/// What a node skips is said on standard error and in the report, once, by node.
+#[test]
+fn a_node_warns() {
+    let desk = Desk::new(&height());
+    let line = json!({ "type": "LineString", "coordinates": [[100, -200], [900, -300], [1800, -700]] });
+    let features = [
+        json!({ "type": "Feature", "properties": { "elevation": 300 }, "geometry": line }),
+        json!({ "type": "Feature", "properties": {}, "geometry": { "type": "Point", "coordinates": [1, 2] } }),
+    ];
+    let file = json!({ "type": "FeatureCollection", "features": features });
+    std::fs::write(desk.path("lines.geojson"), file.to_string()).unwrap();
+    let mapping = json!({ "height": { "property": { "name": "elevation" } } });
+    let graph = json!({
+        "orograph": 1,
+        "terrain": { "width": 2048, "depth": 1024, "base": 129 },
+        "nodes": {
+            "lines": { "kind": "import_curves", "set": { "file": "lines.geojson", "mapping": mapping } },
+            "marks": { "kind": "curve_raster", "in": { "curves": "lines.curves" } },
+            "land": { "kind": "diffuse", "in": { "constraints": "marks.constraints" } },
+        },
+        "outputs": { "height": { "from": "land.height", "format": "r32" } },
+    });
+    std::fs::write(desk.path("a.graph"), graph.to_string()).unwrap();
+    let built = desk.build(&["--tiles", "2x1"]);
+    let said = said(&built);
+    assert_eq!(code(&built), 0, "{said}");
+    let warning = "node `lines`: 1 geometries that are no lines were left out";
+    assert_eq!(said.matches(warning).count(), 1, "{said}");
+    assert_eq!(desk.report()["warnings"], json!([warning]));
+    let drawn = run(&["render", &text(&desk.path("a.graph")), "-o", &text(&desk.path("a.png"))]);
+    let drawn = String::from_utf8_lossy(&drawn.stderr).into_owned();
+    assert!(drawn.contains(warning), "{drawn}");
+}

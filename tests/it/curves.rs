@@ -1,6 +1,7 @@
 //! Tests of feature curves: the model, the raster, import.
 
 mod import;
+mod land;
 mod model;
 mod nodes;
 mod raster;

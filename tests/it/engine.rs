@@ -615,3 +615,25 @@ fn what_a_node_does_not_use_is_neither_run_nor_in_its_key() {
     g.assign("either.choice", "1").unwrap();
     assert_ne!(e.key(&g, either), key);
 }
+
+/// A result says the same whether it was computed or is in memory, for any number of threads; what was warned of is
+/// never found on disk.
+#[test]
+fn warnings_stay_with_a_result() {
+    let g = graph(json!({ "a": { "kind": "grumbles" } }));
+    let folder = tempfile::tempdir().expect("a folder");
+    let grid = g.terrain().grid(65).expect("a grid");
+    let run = |e: &Engine| {
+        let want = Want { node: g.find("a").expect("a node"), port: "field", grid };
+        let all = e.evaluate(&g, &[want], &Unobserved, &Cancel::default()).expect("an evaluation");
+        all.tasks.into_iter().map(|t| (t.cached, t.warnings)).collect::<Vec<_>>()
+    };
+    let said = vec!["row 0".to_owned(), "row 1".to_owned(), "row 2".to_owned()];
+    for threads in [1, 3] {
+        let cache = Some(folder.path().to_owned());
+        let e = Engine::new(&Options { threads, cache, ..Options::default() }, Files::default());
+        let e = e.expect("an engine");
+        assert_eq!(run(&e), [(None, said.clone())]);
+        assert_eq!(run(&e), [(Some("memory"), said.clone())]);
+    }
+}

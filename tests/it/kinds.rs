@@ -48,6 +48,7 @@ params! {
     Peeks {}
     Slow { seconds: Number = Number(5.0) }
     Bytes { file: FilePath = FilePath::default() }
+    Grumbles {}
     Hog { share: Ratio = Ratio(1.0) }
 }
 
@@ -76,6 +77,20 @@ impl Node for Waves {
                 *o = self.height.0 as f32 * waves(*x, row.y, self.length.0, seed);
             }
         })?;
+        Ok(One { field })
+    }
+}
+
+/// Warns from every row.
+impl Node for Grumbles {
+    type In = None;
+    type Out = One;
+    const META: Meta = Meta::new();
+    fn reach(&self) -> Reach {
+        Reach::Point
+    }
+    fn run(&self, cx: &Context<'_>, _: None) -> Result<One> {
+        let field = cx.fill(Quantity::Elevation, |row, _| cx.warn(format!("row {}", row.j % 3)))?;
         Ok(One { field })
     }
 }
@@ -306,6 +321,7 @@ pub(crate) fn registry() -> Registry {
             Kind::of::<Slow>("test", "slow"),
             Kind::of::<Bytes>("test", "bytes"),
             Kind::of::<Hog>("test", "hog"),
+            Kind::of::<Grumbles>("test", "grumbles"),
         ]
     });
     Registry::standard().with(KINDS.iter())

@@ -8,9 +8,11 @@ use std::cell::Cell;
 use orograph::engine::{Unobserved, Want};
 use orograph::files::{Closing, Encoding, Format, Limits, Relief, Request, WriteJob, claimed_size, encode};
 use orograph::graph::Graph;
+use orograph::kit::curves::raster::BESIDE;
+use orograph::kit::curves::rasterise;
 use orograph::node::{Cancel, Context, Kind, Reach};
 use orograph::ports::{MASK, Wires};
-use orograph::value::{Field, Grid, Quantity, Terrain, Value};
+use orograph::value::{CurveSpec, Curves, Field, Grid, Quantity, Terrain, Value};
 use serde_json::{Map, Value as Json, json};
 
 use crate::fed::{engine, extremes, fed, shipped};
@@ -211,4 +213,47 @@ fn an_import_counts_in_the_plan_with_what_it_decodes() {
         Relief::bytes(20, 13, true) - Relief::bytes(20, 13, false)
     );
     assert!(planned("linear") > samples * 8);
+}
+
+/// A scene of many lines with slopes and envelopes: `n` across 8 km, each of `corners` corners.
+fn lines(n: usize, corners: usize) -> Curves {
+    let spec = |i: usize| {
+        let y = 8192.0 * (i as f64 + 0.5) / n as f64;
+        let point = |k: usize| {
+            let bend = if k % 2 == 0 { 3.0 } else { -3.0 };
+            [8192.0 * k as f64 / (corners - 1) as f64, y + bend]
+        };
+        CurveSpec {
+            line: (0..corners).flat_map(point).collect(),
+            height: vec![0.0, 100.0, 0.0],
+            slope: vec![0.0, 20.0, 20.0, -30.0, -30.0],
+            envelope: vec![0.0, 5.0, 5.0],
+            ..CurveSpec::default()
+        }
+    };
+    Curves::from_specs(&(0..n).map(spec).collect::<Vec<_>>()).unwrap()
+}
+
+/// What rasterising curves takes is stated before they are known: it holds for few, for so many that rows are filled in
+/// turn, and for too many, which are refused.
+#[test]
+fn rasterising_takes_no_more_than_it_says_whatever_the_curves() {
+    let grid = Terrain::default().grid(257).unwrap();
+    let run = |curves: &Curves| {
+        let (took, result) =
+            peak(|| rasterise(curves, &grid, &orograph::kit::curves::Options::default(), &|| false));
+        let planes = result.as_ref().map_or(0, |c| c.bytes());
+        assert!(took - planes <= BESIDE, "took {took} bytes, {planes} of them for planes");
+        (took - planes, result)
+    };
+    let (few, result) = run(&lines(3, 300));
+    assert!(result.is_ok() && few < BESIDE / 8, "{few}");
+    // Some 60 000 parts, of which 16 384 may be in memory at once.
+    let (_, many) = run(&lines(40, 400));
+    assert!(many.is_ok(), "{many:?}");
+    let (_, wild) = run(&lines(2000, 500));
+    let said = wild.unwrap_err().to_string();
+    assert!(said.contains("parts of curves") && said.contains("at most"), "{said}");
+    let (_, long) = run(&lines(90, 16_000));
+    assert!(long.is_err_and(|e| e.to_string().contains("corners of curves on this grid: at most 1048576")));
 }

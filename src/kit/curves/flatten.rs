@@ -23,14 +23,40 @@ const STRAIGHT: f64 = 0.997_260_947_684_136_7;
 /// than 6° unless it is shorter than the tolerance. It depends on nothing but the curve and the tolerance. `None` when it has more
 /// than `most` corners.
 pub fn flatten(curve: &Curve, tolerance: f64, most: usize) -> Option<Vec<Vertex>> {
-    let mut line = Vec::new();
     let length = curve.length();
-    line.push(Vertex { at: curve.knots()[0], arc: 0.0, u: 0.0 });
+    let mut line = vec![Vertex { at: curve.knots()[0], arc: 0.0, u: 0.0 }];
+    each_piece(curve, tolerance, |i, leaves| {
+        let fits = line.len() + leaves.len() <= most;
+        if fits {
+            measure(&curve.piece(i), curve.piece_span(i), length, leaves, &mut line);
+        }
+        fits
+    })?;
+    if let Some(last) = line.last_mut() {
+        last.u = 1.0;
+    }
+    Some(line)
+}
+
+/// How many corners that polyline has, without making it.
+pub fn corners(curve: &Curve, tolerance: f64, most: usize) -> Option<usize> {
+    let mut sum = 1;
+    each_piece(curve, tolerance, |_, leaves| {
+        sum += leaves.len();
+        sum <= most
+    })?;
+    Some(sum)
+}
+
+/// Where a leaf ends: the parameter, and the `u` of the constraint point there.
+type Leaf = (f64, Option<f64>);
+
+/// Hands over the number and the leaves of each piece, as long as they are wanted.
+fn each_piece(curve: &Curve, tolerance: f64, mut take: impl FnMut(usize, &[Leaf]) -> bool) -> Option<()> {
     let mut leaves = Vec::new();
     let mut cuts = curve.cuts().iter().peekable();
     for i in 0..curve.pieces() {
         let piece = curve.piece(i);
-        let [start, end] = curve.piece_span(i);
         leaves.clear();
         let mut t = 0.0;
         while let Some(cut) = cuts.next_if(|c| c.piece == i) {
@@ -41,25 +67,15 @@ pub fn flatten(curve: &Curve, tolerance: f64, most: usize) -> Option<Vec<Vertex>
             t = cut.t;
         }
         descend(&piece.part(t, 1.0), [t, 1.0], tolerance, DEPTH, &mut leaves);
-        if line.len() + leaves.len() > most {
+        if !take(i, &leaves) {
             return None;
         }
-        measure(&piece, [start, end], length, &leaves, &mut line);
     }
-    if let Some(last) = line.last_mut() {
-        last.u = 1.0;
-    }
-    Some(line)
+    Some(())
 }
 
 /// Halves a part until it is flat; pushes the parameters where leaves end.
-fn descend(
-    part: &Cubic,
-    [t0, t1]: [f64; 2],
-    tolerance: f64,
-    depth: u32,
-    leaves: &mut Vec<(f64, Option<f64>)>,
-) {
+fn descend(part: &Cubic, [t0, t1]: [f64; 2], tolerance: f64, depth: u32, leaves: &mut Vec<Leaf>) {
     if depth == 0 || is_flat(part, tolerance) {
         leaves.push((t1, None));
         return;
@@ -90,13 +106,7 @@ fn is_flat(part: &Cubic, tolerance: f64) -> bool {
 }
 
 /// Appends the ends of leaves with their lengths, which add up to the length of the piece.
-fn measure(
-    piece: &Cubic,
-    [start, end]: [f64; 2],
-    total: f64,
-    leaves: &[(f64, Option<f64>)],
-    line: &mut Vec<Vertex>,
-) {
+fn measure(piece: &Cubic, [start, end]: [f64; 2], total: f64, leaves: &[Leaf], line: &mut Vec<Vertex>) {
     let first = line.len();
     let (mut t, mut sum) = (0.0, 0.0);
     for &(next, u) in leaves {

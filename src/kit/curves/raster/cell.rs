@@ -11,18 +11,27 @@ type Values = [f64; 3];
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Strict {
     branch: Branch,
-    /// Sums over the branches that are done, and their number.
+    /// Sums over the branches that are done and mark the cell, and their number.
     sum: Values,
     branches: f64,
+    /// How many of these hold it on their plateaus.
+    held: f32,
+    edges: Edges,
 }
 
-/// One passage of the curve by a cell whose plateau holds the cell.
+/// One passage of the curve by a cell whose plateau holds the cell, or ends beside it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Branch {
     /// Parts that are equally near, and the sum of what they say; 0 for no branch.
     ties: f64,
     distance: f64,
     sum: Values,
+    /// How far beyond the edge of the plateau the cell lies, where the ground there is free; else 0.
+    gap: f64,
+    /// Sum of the directions away.
+    away: [f64; 2],
+    /// Whether it marks the cell as one of its plateau, or of its line.
+    marks: bool,
     /// Length of the curve up to the last foot, and how far that was.
     arc: f64,
     last: f64,
@@ -33,8 +42,9 @@ struct Branch {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
     distance: f64,
-    away: [f32; 2],
+    direction: [f32; 2],
     steepness: f32,
+    trust: f32,
     ties: f32,
 }
 
@@ -45,11 +55,60 @@ pub(super) struct Outcome {
     pub(super) noise: [f64; 2],
     pub(super) heights: f32,
     pub(super) noises: f32,
+    /// How many of the heights are of plateaus that hold the cell.
+    held: f32,
+    edges: Edges,
+}
+
+/// The plateaus that end within a step of a cell, with free ground beyond: sums with weights one over the gap.
+#[derive(Clone, Copy, Debug, Default)]
+struct Edges {
+    weight: f64,
+    height: f64,
+    away: [f64; 2],
+    lean: [f64; 2],
+}
+
+impl Edges {
+    fn is_some(&self) -> bool {
+        self.weight > 0.0
+    }
+
+    /// Takes up an edge; the step to the neighbours along the direction away is `cell / (|n_x| + |n_y|)`.
+    fn add(&mut self, height: f64, gap: f64, away: [f64; 2], cell: f64) {
+        let weight = 1.0 / gap;
+        let step = cell / (away[0].abs() + away[1].abs()).max(1.0);
+        let share = gap / (gap + step);
+        let [x, y] = away;
+        let (away, lean) = ([x * weight, y * weight], [x * weight * share, y * weight * share]);
+        self.join(&Self { weight, height: height * weight, away, lean });
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.weight += other.weight;
+        self.height += other.height;
+        for k in 0..2 {
+            self.away[k] += other.away[k];
+            self.lean[k] += other.lean[k];
+        }
+    }
+
+    /// The height, linear between edges on two sides, and the lean, where all are on one side.
+    fn mean(&self) -> (f64, [f64; 2]) {
+        let one_side = norm(self.away) > 0.5 * self.weight;
+        let lean = if one_side { self.lean.map(|x| x / self.weight) } else { [0.0; 2] };
+        (self.height / self.weight, lean)
+    }
 }
 
 /// How much longer than the farther of two distances the way between two feet may be for both to be one branch: a
 /// half circle has π.
 const WINDING: f64 = 4.0;
+
+/// Over how long a way to the end of a curve trust in its slope fades, as a share of the distance from its plateau.
+const ENDS: f64 = 1.0;
+/// Over which share of a slope, beside free ground, trust in it fades.
+const SIDES: f64 = 0.2;
 
 /// What a part of a curve is to a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +117,8 @@ pub(super) enum Reach {
     Beyond,
     /// The cell lies on its plateau.
     Plateau,
+    /// The cell lies within a step of the edge of its plateau, on free ground.
+    Edge,
     /// The cell lies on its slope.
     Slope,
     /// The cell lies on the line of a curve without elevation and beside it, too.
@@ -100,13 +161,16 @@ impl Ribbon {
         let radius = part.radius.at(spot.share);
         let dot = part.shape.kind == Kind::Dot;
         // From a corner the nearest cell of a column or row may be farther than from a line.
-        let thin =
-            if spot.at_corner { part.half / spot.away[0].abs().max(spot.away[1].abs()) } else { part.thin };
+        let most = spot.away[0].abs().max(spot.away[1].abs());
+        let thin = if spot.at_corner { 0.5 * part.cell / most } else { part.thin };
         let flat = self.is_strict() && (d <= radius.max(thin) + slack || dot);
         if flat && (self.has_height || dot) {
             return Reach::Plateau;
         }
         let extent = part.extent[spot.side].at(spot.share);
+        if self.has_edge && extent <= slack && d - radius <= part.cell * most {
+            return Reach::Edge;
+        }
         // On the very line it is not said on which side a cell is.
         let slope = self.has_slope && extent > slack && d - radius <= extent + slack && d > slack;
         match (flat, slope) {
@@ -117,18 +181,63 @@ impl Ribbon {
         }
     }
 
-    /// Steepness at a spot on the slope of a part.
+    /// Whether heights flow away from the curve at a spot. Without an elevation they flow towards it, but on the low
+    /// side of a cliff: there they go on, so that the wall is one.
     #[inline(always)]
-    pub(super) fn steepness(part: &Part, spot: &Spot) -> f64 {
-        let fade = 1.0 - (spot.distance - part.radius.at(spot.share)) / part.extent[spot.side].at(spot.share);
-        part.steepness[spot.side].at(spot.share) * fade.clamp(0.0, 1.0)
+    fn flows_away(&self, part: &Part, spot: &Spot) -> bool {
+        self.has_height || part.falls_across(spot.side, spot.share)
+    }
+}
+
+impl Part {
+    /// How far the slope at a spot is followed: less towards its side where heights flow out, and towards the ends of the
+    /// curve the less the farther out, so that no line shows where it stops.
+    #[inline(always)]
+    fn trust(&self, spot: &Spot, ribbon: &Ribbon) -> f64 {
+        let smooth = |t: f64| if t >= 1.0 { 1.0 } else { t * t * (3.0 - 2.0 * t) };
+        let x = (spot.distance - self.radius.at(spot.share)).max(0.0);
+        let arc = self.arc + spot.share * self.shape.length;
+        let end = arc.min(ribbon.length - arc).max(0.0);
+        let along = if end < ENDS * x { smooth(end / (ENDS * x)) } else { 1.0 };
+        let left = (1.0 - x / self.extent[spot.side].at(spot.share)).max(0.0);
+        let across = if ribbon.has_height && left < SIDES { smooth(left / SIDES) } else { 1.0 };
+        along * across
+    }
+
+    /// Mean steepness away from the curve over the step to a spot from the neighbours that heights flow from: across a
+    /// step of `cell · |n|` along each axis the ground rises by just what the profile does, wherever the plateau ends
+    /// between samples.
+    #[inline(always)]
+    fn steepness(&self, spot: &Spot, flows_away: bool) -> f64 {
+        let n = spot.away.map(f64::abs);
+        let (side, share) = (spot.side, spot.share);
+        let extent = self.extent[side].at(share);
+        let x = spot.distance - self.radius.at(share);
+        let most = self.cell * n[0].max(n[1]);
+        let whole = if flows_away { x >= most && x <= extent } else { x >= 0.0 && x + most <= extent };
+        if whole {
+            let half = 0.5 * self.cell * (n[0] * n[0] * n[0] + n[1] * n[1] * n[1]);
+            let middle = if flows_away { x - half } else { x + half };
+            return self.steepness[side].at(share) * (1.0 - middle / extent);
+        }
+        let here = self.rise(side, share, spot.distance);
+        let step = |n: f64| {
+            if flows_away {
+                let from = spot.distance - self.cell * n;
+                let (side, from) = if from < 0.0 { (1 - side, -from) } else { (side, from) };
+                n * (here - self.rise(side, share, from))
+            } else {
+                n * (self.rise(side, share, spot.distance + self.cell * n) - here)
+            }
+        };
+        (step(n[0]) + step(n[1])) / self.cell
     }
 }
 
 impl Nearest {
     /// No part yet.
     pub(super) const NOTHING: Self =
-        Self { distance: f64::INFINITY, away: [0.0; 2], steepness: 0.0, ties: 0.0 };
+        Self { distance: f64::INFINITY, direction: [0.0; 2], steepness: 0.0, trust: 0.0, ties: 0.0 };
 
     /// Whether there is a part.
     #[inline(always)]
@@ -138,77 +247,103 @@ impl Nearest {
 
     /// Takes up what a part says at a spot.
     #[inline(always)]
-    pub(super) fn meet(&mut self, part: &Part, spot: &Spot, slack: f64) {
+    pub(super) fn meet(&mut self, ribbon: &Ribbon, part: &Part, spot: &Spot, slack: f64) {
         if spot.distance > self.distance + slack {
             return;
         }
-        let steepness = Ribbon::steepness(part, spot) as f32;
-        let away = spot.away.map(|x| x as f32);
+        let flows_away = ribbon.flows_away(part, spot);
+        // Both are turned round where heights flow towards the curve.
+        let sign = if flows_away { 1.0 } else { -1.0 };
+        let steepness = (sign * part.steepness(spot, flows_away)) as f32;
+        let trust = part.trust(spot, ribbon) as f32;
+        let direction = spot.away.map(|x| (sign * x) as f32);
         if spot.distance < self.distance - slack {
-            *self = Self { distance: spot.distance, away, steepness, ties: 1.0 };
+            *self = Self { distance: spot.distance, direction, steepness, trust, ties: 1.0 };
         } else {
             self.distance = self.distance.min(spot.distance);
-            self.away = [self.away[0] + away[0], self.away[1] + away[1]];
+            self.direction = [self.direction[0] + direction[0], self.direction[1] + direction[1]];
             self.steepness += steepness;
+            self.trust += trust;
             self.ties += 1.0;
         }
     }
 
-    /// Direction and steepness, both times `sign`, of the equally near parts together: what each says along their
-    /// common direction; `None` where they contradict each other.
+    /// Direction and steepness of the equally near parts together: what each says along their common direction; `None`
+    /// where they contradict each other.
     #[inline]
-    pub(super) fn mean(&self, sign: f32) -> Option<([f32; 2], f32)> {
+    pub(super) fn mean(&self) -> Option<([f32; 2], f32, f32)> {
         if self.ties == 1.0 {
-            return Some((self.away.map(|x| sign * x), sign * self.steepness));
+            return Some((self.direction, self.steepness, self.trust));
         }
-        let length = norm(self.away.map(f64::from)) as f32;
+        let length = norm(self.direction.map(f64::from)) as f32;
         let share = length / self.ties;
-        let steepness = sign * self.steepness / self.ties * share;
-        (share > 1e-6).then(|| (self.away.map(|x| sign * x / length), steepness))
+        let steepness = self.steepness / self.ties * share;
+        (share > 1e-6).then(|| (self.direction.map(|x| x / length), steepness, self.trust / self.ties))
     }
 }
 
 impl Strict {
-    /// Whether a plateau holds the cell.
+    /// Whether a plateau holds the cell or ends beside it.
     pub(super) fn is_some(&self) -> bool {
-        self.branches + self.branch.ties > 0.0
+        self.branches + self.branch.ties > 0.0 || self.edges.is_some()
     }
 
-    /// Takes up a part whose plateau holds the cell.
-    pub(super) fn meet(&mut self, part: &Part, spot: &Spot, slack: f64) {
+    /// Takes up a part whose plateau holds the cell, or ends beside it.
+    pub(super) fn meet(&mut self, ribbon: &Ribbon, part: &Part, spot: &Spot, marks: bool, slack: f64) {
         let s = spot.share;
-        let values = [part.height(s), part.noise[0].at(s), part.noise[1].at(s)];
         let arc = part.arc + s * part.shape.length;
         let near = WINDING * self.branch.last.max(spot.distance) + 2.0 * part.thin;
         if self.branch.ties > 0.0 && arc - self.branch.arc > near {
-            self.close_branch();
+            self.close_branch(ribbon);
         }
+        // A corner has no side: what lies beside it knows better.
+        let is_dot = part.shape.kind == Kind::Dot;
+        let distance = if is_dot { spot.distance + 1e-3 * part.cell } else { spot.distance };
+        let free = ribbon.has_edge && part.extent[spot.side].at(s) <= slack;
+        let gap = if free { spot.distance - part.radius.at(s) } else { 0.0 };
+        let rise = if is_dot || !ribbon.has_slope { 0.0 } else { part.rise(spot.side, s, spot.distance) };
+        let values = [part.height(s) + rise, part.noise[0].at(s), part.noise[1].at(s)];
         let b = &mut self.branch;
         (b.arc, b.last) = (arc, spot.distance);
-        if b.ties == 0.0 || spot.distance < b.distance - slack {
-            (b.ties, b.distance, b.sum) = (1.0, spot.distance, values);
-        } else if spot.distance <= b.distance + slack {
+        b.marks |= marks;
+        if b.ties == 0.0 || distance < b.distance - slack {
+            (b.ties, b.distance, b.sum, b.gap, b.away) = (1.0, distance, values, gap, spot.away);
+        } else if distance <= b.distance + slack {
             b.ties += 1.0;
-            b.distance = b.distance.min(spot.distance);
+            b.distance = b.distance.min(distance);
+            b.gap = b.gap.min(gap);
             (0..3).for_each(|k| b.sum[k] += values[k]);
+            (0..2).for_each(|k| b.away[k] += spot.away[k]);
         }
     }
 
-    fn close_branch(&mut self) {
-        let b = self.branch;
-        if b.ties > 0.0 {
-            (0..3).for_each(|k| self.sum[k] += b.sum[k] / b.ties);
-            self.branches += 1.0;
+    fn close_branch(&mut self, ribbon: &Ribbon) {
+        let b = std::mem::take(&mut self.branch);
+        if b.ties == 0.0 {
+            return;
         }
-        self.branch = Branch::default();
+        let values = b.sum.map(|x| x / b.ties);
+        let free = b.gap > super::SLACK * ribbon.cell;
+        if b.marks {
+            (0..3).for_each(|k| self.sum[k] += values[k]);
+            self.branches += 1.0;
+            self.held += f32::from(u8::from(!free));
+        }
+        if free {
+            let length = norm(b.away);
+            let away = b.away.map(|x| if length > 0.0 { x / length } else { 0.0 });
+            self.edges.add(values[0], b.gap, away, ribbon.cell);
+        }
     }
 
     /// Hands over what the curve says, all its parts being done.
     pub(super) fn finish(&mut self, ribbon: &Ribbon, out: &mut Outcome) {
-        self.close_branch();
+        self.close_branch(ribbon);
         if ribbon.has_height {
             out.height += self.sum[0];
             out.heights += self.branches as f32;
+            out.held += self.held;
+            out.edges.join(&self.edges);
         }
         if ribbon.has_noise {
             out.noise[0] += self.sum[1];
@@ -221,6 +356,16 @@ impl Strict {
 impl Outcome {
     /// Whether no curve has said anything yet.
     pub(super) fn is_new(&self) -> bool {
-        self.heights == 0.0 && self.noises == 0.0
+        self.heights == 0.0 && self.noises == 0.0 && !self.edges.is_some()
+    }
+
+    /// The height and the lean of the cell. Plateaus that hold it are averaged; between the edges of several the height
+    /// goes linearly.
+    pub(super) fn height(&self) -> Option<(f64, [f64; 2])> {
+        let edges = &self.edges;
+        if self.held > 0.0 || !edges.is_some() {
+            return (self.heights > 0.0).then(|| (self.height / f64::from(self.heights), [0.0; 2]));
+        }
+        Some(edges.mean())
     }
 }

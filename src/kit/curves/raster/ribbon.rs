@@ -1,10 +1,11 @@
 //! A curve made ready for the raster: its parts of the ground with the values that hold there.
 
 use super::shape::{Bend, Kind, LEFT, RIGHT, Shape};
+use super::stock::{MAX_PARTS, Window};
 use crate::kit::curves::flatten::Vertex;
 use crate::value::Curve;
 use crate::value::curves::bezier::{Point, norm, sub, times};
-use crate::value::curves::hermite_value;
+use crate::value::curves::{Track, hermite_value};
 
 /// A value that goes linearly along a segment: at its start, and its change up to the end.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,8 +62,8 @@ pub(super) struct Part {
     pub(super) arc: f64,
     /// Half the width of the thinnest line of cells that holds together, in metres.
     pub(super) thin: f64,
-    /// Half a cell, in metres.
-    pub(super) half: f64,
+    /// A cell, in metres.
+    pub(super) cell: f64,
     pub(super) radius: Linear,
     pub(super) extent: [Linear; 2],
     pub(super) steepness: [Steepness; 2],
@@ -76,6 +77,23 @@ impl Part {
     pub(super) fn height(&self, share: f64) -> f64 {
         hermite_value(self.height, self.height_slope, share)
     }
+
+    /// What the ground rises from the curve to a distance on a side; beyond the slope no further.
+    pub(super) fn rise(&self, side: usize, share: f64, distance: f64) -> f64 {
+        let extent = self.extent[side].at(share);
+        if extent <= 0.0 {
+            return 0.0;
+        }
+        let x = (distance - self.radius.at(share)).clamp(0.0, extent);
+        self.steepness[side].at(share) * x * (1.0 - 0.5 * x / extent)
+    }
+
+    /// Whether the ground falls on a side, and rises or stays level on the other: the low side of a cliff.
+    pub(super) fn falls_across(&self, side: usize, share: f64) -> bool {
+        let angle = |side: usize| self.steepness[side].angle.at(share);
+        let (here, there) = (angle(side), angle(1 - side));
+        (here < 0.0 && there >= 0.0) || (here == 0.0 && there > 0.0)
+    }
 }
 
 /// A curve made ready.
@@ -83,8 +101,14 @@ impl Part {
 pub(super) struct Ribbon {
     pub(super) parts: Vec<Part>,
     pub(super) has_height: bool,
+    /// Whether its plateau has an edge with free ground beyond it somewhere.
+    pub(super) has_edge: bool,
     pub(super) has_slope: bool,
     pub(super) has_noise: bool,
+    /// A cell, in metres.
+    pub(super) cell: f64,
+    /// Length of the curve, in metres; without end where it is closed.
+    pub(super) length: f64,
 }
 
 /// What holds at a corner of the polyline.
@@ -129,6 +153,12 @@ fn joins(legs: &[Leg], closed: bool) -> Vec<Option<Bend>> {
     std::iter::once(around).chain(between).chain(std::iter::once(around)).collect()
 }
 
+/// Whether the plateau of a curve has an edge with free ground beyond it somewhere: no slope, or none of any extent.
+pub(super) fn has_edge(curve: &Curve) -> bool {
+    let bare = |t: &Track<4>| t.keys().iter().any(|(_, [left, right, ..])| *left <= 0.0 || *right <= 0.0);
+    curve.tracks().elevation.is_some() && curve.tracks().slope.as_ref().is_none_or(bare)
+}
+
 /// The axis that a heading follows most, and its direction along it.
 fn course([x, y]: Point) -> (bool, bool) {
     let flat = x.abs() >= y.abs();
@@ -142,46 +172,55 @@ impl Ribbon {
         self.has_height || self.has_noise
     }
 
-    pub(super) fn new(curve: &Curve, line: &[Vertex], cell: f64) -> Self {
+    /// The parts of a curve that a window sees; those beyond the most at once are left out.
+    pub(super) fn new(curve: &Curve, line: &[Vertex], cell: f64, window: &Window) -> Self {
         let t = curve.tracks();
         let mut ribbon = Self {
             parts: Vec::new(),
             has_height: t.elevation.is_some(),
+            has_edge: has_edge(curve),
             has_slope: t.slope.is_some(),
             has_noise: t.noise.is_some(),
+            cell,
+            length: if curve.is_closed() { f64::INFINITY } else { curve.length() },
         };
         if !(ribbon.has_height || ribbon.has_slope || ribbon.has_noise) {
             return ribbon;
         }
         let legs = legs(line);
         let strict = ribbon.is_strict();
-        // Half the diagonal of a cell.
-        let least = if strict { 0.708 * cell } else { 0.0 };
+        // Half the diagonal of a cell; beside a height, the step in which its edge is seen.
+        let least = if ribbon.has_height { cell } else { 0.708 * cell };
+        let least = if strict { least } else { 0.0 };
         let builder = Builder { curve, cell, slack: super::SLACK * cell, least };
         let (Some(first), Some(last)) = (legs.first(), legs.last()) else { return ribbon };
-        ribbon.parts.reserve(2 * legs.len() + 2);
         let closed = curve.is_closed();
+        let parts = &mut ribbon.parts;
+        let mut take = |part: Option<Part>| {
+            if parts.len() <= MAX_PARTS {
+                parts.extend(part.filter(|p| window.meets(&p.shape)));
+            }
+        };
         if strict && !closed {
-            ribbon.parts.extend(builder.dot(&first.from));
+            take(builder.dot(&first.from));
         }
         let joins = joins(&legs, closed);
         for (i, leg) in legs.iter().enumerate() {
-            ribbon
-                .parts
-                .extend(builder.segment(leg, [joins[i], joins[i + 1]].map(Option::unwrap_or_default)));
+            take(builder.segment(leg, [joins[i], joins[i + 1]].map(Option::unwrap_or_default)));
             let next = legs.get(i + 1).or(closed.then_some(first));
             if let Some(next) = next {
                 if joins[i + 1].is_none() {
-                    ribbon.parts.extend(builder.sector(leg, next));
+                    take(builder.sector(leg, next));
                 }
                 if strict && (joins[i + 1].is_none() || course(leg.heading) != course(next.heading)) {
-                    ribbon.parts.extend(builder.dot(&leg.to));
+                    take(builder.dot(&leg.to));
                 }
             }
         }
         if strict && !closed {
-            ribbon.parts.extend(builder.dot(&last.to));
+            take(builder.dot(&last.to));
         }
+        ribbon.parts.shrink_to_fit();
         ribbon
     }
 }
@@ -190,7 +229,7 @@ struct Builder<'a> {
     curve: &'a Curve,
     cell: f64,
     slack: f64,
-    /// Least width of a part, so that it holds the thinnest line.
+    /// Least width of a part beside its plateau, so that it holds the thinnest line and what lies at its edge.
     least: f64,
 }
 
@@ -224,7 +263,7 @@ impl Builder<'_> {
             shape,
             arc: from.arc,
             thin,
-            half: 0.5 * self.cell,
+            cell: self.cell,
             radius: pair(|s| s.radius),
             extent: [pair(|s| s.slope[0]), pair(|s| s.slope[1])],
             steepness: [Steepness::new([a.slope[2], b.slope[2]]), Steepness::new([a.slope[3], b.slope[3]])],
@@ -237,7 +276,7 @@ impl Builder<'_> {
     fn segment(&self, leg: &Leg, bends: [Bend; 2]) -> Option<Part> {
         let thin = self.thin(leg.heading);
         let (a, b) = (self.station(leg.from.u), self.station(leg.to.u));
-        let width = |side: usize| [a, b].map(|s| (s.radius + s.slope[side]).max(self.least));
+        let width = |side: usize| [a, b].map(|s| s.radius + s.slope[side].max(self.least));
         let shape = Shape::segment(leg.from.at, leg.to.at, [width(LEFT), width(RIGHT)], bends, self.slack)?;
         Some(self.part(shape, thin, &leg.from, &leg.to))
     }
@@ -245,7 +284,7 @@ impl Builder<'_> {
     fn sector(&self, leg: &Leg, next: &Leg) -> Option<Part> {
         let thin = self.thin(leg.heading).max(self.thin(next.heading));
         let s = self.station(leg.to.u);
-        let reach = [LEFT, RIGHT].map(|side| (s.radius + s.slope[side]).max(self.least));
+        let reach = [LEFT, RIGHT].map(|side| s.radius + s.slope[side].max(self.least));
         let shape = Shape::sector(leg.to.at, leg.heading, next.heading, reach, self.slack)?;
         Some(self.part(shape, thin, &leg.to, &leg.to))
     }
@@ -273,8 +312,8 @@ pub(super) struct Rim {
 }
 
 impl Rim {
-    /// The parts of a curve's envelope.
-    pub(super) fn all(curve: &Curve, line: &[Vertex], cell: f64) -> Vec<Self> {
+    /// The parts of a curve's envelope that a window sees; those beyond the most at once are left out.
+    pub(super) fn all(curve: &Curve, line: &[Vertex], cell: f64, window: &Window) -> Vec<Self> {
         let t = curve.tracks();
         let Some(envelope) = &t.envelope else { return Vec::new() };
         let slack = super::SLACK * cell;
@@ -292,19 +331,24 @@ impl Rim {
         let legs = legs(line);
         let (Some(first), Some(last)) = (legs.first(), legs.last()) else { return Vec::new() };
         let closed = curve.is_closed();
-        let mut rims = Vec::with_capacity(2 * legs.len() + 2);
+        let mut rims: Vec<Self> = Vec::new();
+        let mut take = |rim: Option<Self>| {
+            if rims.len() <= MAX_PARTS {
+                rims.extend(rim.filter(|r| window.meets(&r.shape)));
+            }
+        };
         let joins = joins(&legs, closed);
         for (i, leg) in legs.iter().enumerate() {
             let (a, b) = (leg.from.u, leg.to.u);
             let sides = [LEFT, RIGHT].map(|k| [reach(a, k), reach(b, k)]);
             let bends = [joins[i], joins[i + 1]].map(Option::unwrap_or_default);
             let shape = Shape::segment(leg.from.at, leg.to.at, sides, bends, slack);
-            rims.extend(shape.map(|s| rim(s, [a, b], 0.0)));
+            take(shape.map(|s| rim(s, [a, b], 0.0)));
             let next = legs.get(i + 1).or(closed.then_some(first));
             if let (Some(next), None) = (next, joins[i + 1]) {
                 let around = [LEFT, RIGHT].map(|k| reach(b, k));
                 let shape = Shape::sector(leg.to.at, leg.heading, next.heading, around, slack);
-                rims.extend(shape.map(|s| rim(s, [b, b], 0.0)));
+                take(shape.map(|s| rim(s, [b, b], 0.0)));
             }
         }
         if !closed {
@@ -323,9 +367,10 @@ impl Rim {
                     cap.reach.swap(LEFT, RIGHT);
                     cap.width.swap(LEFT, RIGHT);
                 }
-                rims.push(cap);
+                take(Some(cap));
             }
         }
+        rims.shrink_to_fit();
         rims
     }
 

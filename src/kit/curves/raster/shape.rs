@@ -368,8 +368,9 @@ impl Shape {
             Kind::Dot => {
                 let inside =
                     p[0] >= self.min[0] && p[0] <= self.max[0] && p[1] >= self.min[1] && p[1] <= self.max[1];
-                let (away, at_corner) = ([0.0; 2], false);
-                inside.then(|| Spot { share: 0.0, distance: norm(p), side: LEFT, away, at_corner })
+                let (distance, at_corner) = (norm(p), false);
+                let away = if distance > 0.0 { times(p, 1.0 / distance) } else { [0.0; 2] };
+                inside.then_some(Spot { share: 0.0, distance, side: LEFT, away, at_corner })
             }
         }
     }

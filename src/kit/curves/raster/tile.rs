@@ -3,34 +3,64 @@
 use super::cell::{Nearest, Outcome, Reach, Strict};
 use super::ribbon::{Ribbon, Rim};
 use super::shape::Shape;
-use super::{MAX_BINNED, Options, SLACK};
+use super::stock::Window;
+use super::{Options, SLACK};
 use crate::value::curves::CurveError;
 use crate::value::{Grid, Mark, Planes};
 
 /// Cells along a side of a tile.
 const SIDE: usize = 32;
 
+/// Most parts in all tiles together, at once; 8 bytes each, and as much again while their lists grow.
+const MAX_BINNED: usize = 1 << 18;
+
 /// The number of a curve and of one of its parts.
 type Entry = (u32, u32);
 
-/// The parts that touch each tile, curve by curve in order.
-pub(super) struct Bins {
-    tiles: Vec<Vec<Entry>>,
+/// Some rows of tiles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tiles {
+    first: usize,
+    down: usize,
     across: usize,
 }
 
+impl Tiles {
+    pub(super) fn of(bands: &[Band<'_>], grid: &Grid) -> Self {
+        let first = bands.first().map_or(0, |b| b.number);
+        Self { first, down: bands.len(), across: grid.cols.div_ceil(SIDE) }
+    }
+
+    /// Where their samples lie, and a cell around them.
+    pub(super) fn window(&self, grid: &Grid) -> Window {
+        let cell = grid.cell();
+        let (top, bottom) = (self.first * SIDE, ((self.first + self.down) * SIDE).min(grid.rows));
+        Window {
+            min: [grid.x(0) - cell, grid.y(top) - cell],
+            max: [grid.x(grid.cols - 1) + cell, grid.y(bottom - 1) + cell],
+        }
+    }
+}
+
+/// The parts that touch each of some tiles, curve by curve in order.
+pub(super) struct Bins {
+    tiles: Vec<Vec<Entry>>,
+    of: Tiles,
+}
+
 impl Bins {
-    pub(super) fn new<'a, P>(grid: &Grid, curves: impl Iterator<Item = P>) -> Result<Self, CurveError>
+    pub(super) fn new<'a, P>(
+        grid: &Grid,
+        of: &Tiles,
+        curves: impl Iterator<Item = P>,
+    ) -> Result<Self, CurveError>
     where
         P: Iterator<Item = &'a Shape>,
     {
-        let (across, down) = (grid.cols.div_ceil(SIDE), grid.rows.div_ceil(SIDE));
-        let mut bins = Self { tiles: vec![Vec::new(); across * down], across };
-        if grid.is_empty() {
-            return Ok(bins);
-        }
+        let Tiles { first, down, across } = *of;
+        let mut bins = Self { tiles: vec![Vec::new(); across * down], of: *of };
         let mut entries = 0;
-        let (origin, step) = ([grid.x(0), grid.y(0)], SIDE as f64 * grid.cell());
+        let (origin, step) = ([grid.x(0), grid.y(first * SIDE)], SIDE as f64 * grid.cell());
         let last = (SIDE - 1) as f64 * grid.cell();
         for (c, parts) in curves.enumerate() {
             for (p, shape) in parts.enumerate() {
@@ -54,7 +84,11 @@ impl Bins {
                 }
                 if entries > MAX_BINNED {
                     let (most, found) = (MAX_BINNED as u64, entries as u64);
-                    return Err(CurveError::TooMany { what: "parts of curves in tiles", most, found });
+                    return Err(CurveError::TooMany {
+                        what: "parts of curves in tiles of 32 rows",
+                        most,
+                        found,
+                    });
                 }
             }
         }
@@ -62,7 +96,7 @@ impl Bins {
     }
 
     fn at(&self, row: usize, column: usize) -> &[Entry] {
-        &self.tiles[row * self.across + column]
+        &self.tiles[(row - self.of.first) * self.of.across + column]
     }
 }
 
@@ -73,8 +107,10 @@ pub(super) struct Band<'a> {
     rows: usize,
     marks: &'a mut [u8],
     height: Option<&'a mut [f32]>,
+    lean: Option<&'a mut [[f32; 2]]>,
     direction: Option<&'a mut [[f32; 2]]>,
     steepness: Option<&'a mut [f32]>,
+    trust: Option<&'a mut [f32]>,
     noise: Option<&'a mut [[f32; 2]]>,
     envelope: Option<&'a mut [f32]>,
 }
@@ -86,17 +122,19 @@ impl<'a> Band<'a> {
             std::iter::from_fn(move || Some(chunks.as_mut().and_then(Iterator::next)))
         }
         let n = SIDE * grid.cols;
-        let Planes { marks, height, direction, steepness, noise, envelope } = planes;
-        let (mut height, mut direction) = (cut(height, n), cut(direction, n));
+        let Planes { marks, height, lean, direction, steepness, trust, noise, envelope } = planes;
+        let (mut height, mut lean, mut direction) = (cut(height, n), cut(lean, n), cut(direction, n));
         let (mut steepness, mut noise) = (cut(steepness, n), cut(noise, n));
-        let mut envelope = cut(envelope, n);
+        let (mut trust, mut envelope) = (cut(trust, n), cut(envelope, n));
         let band = |(number, marks): (usize, &'a mut [u8])| Self {
             number,
             rows: marks.len() / grid.cols,
             marks,
             height: height.next().flatten(),
+            lean: lean.next().flatten(),
             direction: direction.next().flatten(),
             steepness: steepness.next().flatten(),
+            trust: trust.next().flatten(),
             noise: noise.next().flatten(),
             envelope: envelope.next().flatten(),
         };
@@ -107,11 +145,12 @@ impl<'a> Band<'a> {
 impl Band<'_> {
     /// Writes the values that curves together give a cell.
     fn strict(&mut self, at: usize, o: &Outcome) {
-        if let Some(plane) = &mut self.height
-            && o.heights > 0.0
-        {
-            plane[at] = (o.height / f64::from(o.heights)) as f32;
-            self.marks[at] |= Mark::Height.bit();
+        if let (Some(plane), Some((height, lean))) = (&mut self.height, o.height()) {
+            plane[at] = height as f32;
+            if let Some(plane) = &mut self.lean {
+                plane[at] = lean.map(|x| x as f32);
+            }
+            self.marks[at] |= if o.heights > 0.0 { Mark::Height.bit() } else { Mark::Edge.bit() };
         }
         if let Some(plane) = &mut self.noise
             && o.noises > 0.0
@@ -124,16 +163,22 @@ impl Band<'_> {
     /// Takes up the gradient that a curve gives a cell; where another curve gave one, or it contradicts itself, the
     /// cell is left open.
     #[inline]
-    fn slope(&mut self, at: usize, gradient: Option<([f32; 2], f32)>) {
-        let (Some(direction), Some(steepness)) = (&mut self.direction, &mut self.steepness) else { return };
+    fn slope(&mut self, at: usize, gradient: Option<([f32; 2], f32, f32)>) {
+        let (Some(direction), Some(steepness), Some(trust)) =
+            (&mut self.direction, &mut self.steepness, &mut self.trust)
+        else {
+            return;
+        };
         let mark = &mut self.marks[at];
         if *mark & (Mark::Gradient.bit() | Mark::Open.bit()) == 0
             && let Some(gradient) = gradient
         {
-            (direction[at], steepness[at]) = gradient;
+            (direction[at], steepness[at], trust[at]) = gradient;
             *mark |= Mark::Gradient.bit();
         } else {
+            // What diffusion says there is followed as far as the most trusted.
             (direction[at], steepness[at]) = ([0.0; 2], 0.0);
+            trust[at] = trust[at].max(gradient.map_or(1.0, |g| g.2));
             *mark = *mark & !Mark::Gradient.bit() | Mark::Open.bit();
         }
     }
@@ -246,16 +291,16 @@ impl Scene<'_> {
                 if ribbon.has_slope
                     && let Some(spot) = part.plain_slope(at, slack)
                 {
-                    desk.slope(i).meet(part, &spot, slack);
+                    desk.slope(i).meet(ribbon, part, &spot, slack);
                     return;
                 }
                 let Some(spot) = part.shape.locate(at) else { return };
                 let reach = ribbon.reach(part, &spot, slack);
                 if matches!(reach, Reach::Slope | Reach::Both) {
-                    desk.slope(i).meet(part, &spot, slack);
+                    desk.slope(i).meet(ribbon, part, &spot, slack);
                 }
-                if matches!(reach, Reach::Plateau | Reach::Both) {
-                    desk.plateau(i).meet(part, &spot, slack);
+                if matches!(reach, Reach::Plateau | Reach::Edge | Reach::Both) {
+                    desk.plateau(i).meet(ribbon, part, &spot, reach != Reach::Edge, slack);
                 }
             };
             if part.shape.axis == 0 {
@@ -276,12 +321,10 @@ impl Scene<'_> {
                 desk.nearest[k] = Nearest::NOTHING;
             }
         }
-        // Without an elevation the curve gives no height that could flow away from it: both are turned round.
-        let sign = if ribbon.has_height { 1.0 } else { -1.0 };
         for i in desk.sloped.drain(..).map(usize::from) {
             let nearest = &mut desk.nearest[i % CELLS];
             if nearest.is_some() {
-                band.slope(place.index(i, self.grid.cols), nearest.mean(sign));
+                band.slope(place.index(i, self.grid.cols), nearest.mean());
             }
             *nearest = Nearest::NOTHING;
         }
