@@ -50,6 +50,7 @@ mod galerkin;
 mod krylov;
 mod level;
 mod paper;
+mod plate;
 mod problem;
 mod pyramid;
 mod setup;
@@ -59,6 +60,7 @@ mod watch;
 
 pub use direction::renormalise;
 pub use paper::scratch;
+pub use plate::{Plate, bend};
 pub use problem::{Guidance, Problem};
 pub use solve::{Error, Quality, Solution, solve};
 pub use watch::{Cancelled, Silent, Watch};
