@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::kit::diffusion::{self, Guidance, Problem, Quality as Solver, renormalise, solve};
+use crate::kit::diffusion::{self, Guidance, Problem, Quality as Solver, renormalise, solve, solve_all};
 use crate::prelude::*;
 use crate::value::{Mark, Planes};
 
@@ -196,15 +196,10 @@ impl Spread<'_> {
         let (Some(direction), Some(steepness)) = (&self.planes.direction, &self.planes.steepness) else {
             return Ok(None);
         };
-        let fixed = self.marked(Mark::Gradient);
-        let axis = |k: usize| {
-            let target = filled(self.planes, |i| direction[i][k]);
-            let share = k as f32 / 3.0;
-            self.solve(&cx.stage(share, share + 1.0 / 3.0), &fixed, &target, None)
-        };
-        let (mut x, mut y) = (axis(0)?, axis(1)?);
+        let axis = |k: usize| filled(self.planes, |i| direction[i][k]);
+        let [x, y] = [axis(0), axis(1)];
+        let [mut x, mut y, steepness] = self.solve_all(cx, Mark::Gradient, [&x, &y, steepness])?;
         renormalise(&mut x, &mut y);
-        let steepness = self.solve(&cx.stage(2.0 / 3.0, 1.0), &fixed, steepness, None)?;
         Ok(Some(Gradient { x, y, steepness }))
     }
 
@@ -213,15 +208,26 @@ impl Spread<'_> {
         let Some(noise) = &self.planes.noise else {
             return Ok([vec![0.0; cx.grid.len()], vec![0.0; cx.grid.len()]]);
         };
-        let fixed = self.marked(Mark::Noise);
-        let part = |k: usize, limit: f32| {
-            let target = filled(self.planes, |i| noise[i][k]);
-            let share = k as f32 / 2.0;
-            let mut spread = self.solve(&cx.stage(share, share + 0.5), &fixed, &target, None)?;
-            spread.iter_mut().for_each(|v| *v = v.clamp(0.0, limit));
-            Ok(spread)
-        };
-        Ok([part(0, f32::MAX)?, part(1, 1.0)?])
+        let part = |k: usize| filled(self.planes, |i| noise[i][k]);
+        let [mut amplitude, mut roughness] = self.solve_all(cx, Mark::Noise, [&part(0), &part(1)])?;
+        amplitude.par_iter_mut().for_each(|v| *v = v.max(0.0));
+        roughness.par_iter_mut().for_each(|v| *v = v.clamp(0.0, 1.0));
+        Ok([amplitude, roughness])
+    }
+
+    /// Spreads several things that are known on the same samples.
+    fn solve_all<const N: usize>(
+        &self,
+        cx: &Context<'_>,
+        mark: Mark,
+        targets: [&[f32]; N],
+    ) -> Result<[Vec<f32>; N]> {
+        let fixed = self.marked(mark);
+        let (cols, rows) = (cx.grid.cols, cx.grid.rows);
+        let problem = Problem { cols, rows, fixed: &fixed, target: &[], guidance: None, source: None };
+        let solutions = solve_all(&problem, &targets, self.quality(), cx).map_err(refused)?;
+        let mut fields = solutions.into_iter().map(|s| s.field);
+        Ok(std::array::from_fn(|_| fields.next().unwrap_or_default()))
     }
 
     /// 1 where something is marked, 0 elsewhere.
@@ -238,15 +244,21 @@ impl Spread<'_> {
     ) -> Result<Vec<f32>> {
         let (cols, rows) = (cx.grid.cols, cx.grid.rows);
         let problem = Problem { cols, rows, fixed, target, guidance, source: None };
-        let quality = match self.quality {
+        solve(&problem, self.quality(), cx).map(|s| s.field).map_err(refused)
+    }
+
+    fn quality(&self) -> Solver {
+        match self.quality {
             Quality::Paper => Solver::Paper,
             Quality::Converged => Solver::CONVERGED,
-        };
-        match solve(&problem, quality, cx) {
-            Ok(solution) => Ok(solution.field),
-            Err(diffusion::Error::Cancelled) => Err(Error::Cancelled),
-            Err(misfit) => Err(Error::Input { port: "constraints", message: misfit.to_string() }),
         }
+    }
+}
+
+fn refused(error: diffusion::Error) -> Error {
+    match error {
+        diffusion::Error::Cancelled => Error::Cancelled,
+        misfit => Error::Input { port: "constraints", message: misfit.to_string() },
     }
 }
 

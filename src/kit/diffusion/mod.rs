@@ -62,5 +62,5 @@ pub use direction::renormalise;
 pub use paper::scratch;
 pub use plate::{Plate, bend};
 pub use problem::{Guidance, Problem};
-pub use solve::{Error, Quality, Solution, solve};
+pub use solve::{Error, Quality, Solution, solve, solve_all};
 pub use watch::{Cancelled, Silent, Watch};
