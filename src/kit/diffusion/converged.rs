@@ -7,6 +7,7 @@ use crate::kit::diffusion::finest::{correct, finest, residual};
 use crate::kit::diffusion::krylov::{Journal, bi_conjugate_gradients, conjugate_gradients};
 use crate::kit::diffusion::paper::{Extent, cascade, finish_row};
 use crate::kit::diffusion::problem::{Problem, constraint};
+use crate::kit::diffusion::scratch::Scratch;
 use crate::kit::diffusion::setup::coarsen;
 use crate::kit::diffusion::split::{Split, measure, zeros};
 use crate::kit::diffusion::watch::{Cancelled, Silent, Watch};
@@ -47,6 +48,7 @@ impl Prepared {
 pub(crate) fn start(
     problem: &Problem<'_>,
     extent: Extent,
+    scratch: &mut Scratch,
     simd: Simd,
     watch: &dyn Watch,
 ) -> Result<Vec<f32>, Cancelled> {
@@ -54,7 +56,9 @@ pub(crate) fn start(
     let mut field = if problem.guidance.is_some() {
         // Where guidance leaves the height open, as in flow that comes from the border, this decides.
         let open = Extent { bounded: false, ..extent };
-        let mut field = cascade(problem, open, simd, &Within(watch))?;
+        let mut field = cascade(problem, open, scratch, simd, &Within(watch))?;
+        // The levels need the room.
+        scratch.clear();
         field.par_iter_mut().for_each(|v| *v -= offset);
         field
     } else {

@@ -53,8 +53,10 @@ mod paper;
 mod plate;
 mod problem;
 mod pyramid;
+mod scratch;
 mod setup;
 mod solve;
+mod solver;
 mod split;
 mod watch;
 
@@ -62,5 +64,6 @@ pub use direction::renormalise;
 pub use paper::scratch;
 pub use plate::{Plate, bend};
 pub use problem::{Guidance, Problem};
-pub use solve::{Error, Quality, Solution, solve, solve_all};
+pub use solve::{Error, Quality, Solution, solve};
+pub use solver::Solver;
 pub use watch::{Cancelled, Silent, Watch};

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use orograph::kit::diffusion::{Error, Problem, Quality, Silent, Watch, solve, solve_all};
+use orograph::kit::diffusion::{Error, Problem, Quality, Silent, Solver, Watch, solve};
 
 use super::scenes::Scene;
 
@@ -192,7 +192,8 @@ fn several_targets_are_solved_as_one_by_one() {
     s.fixed.iter().zip(&mut odd).filter(|(f, _)| **f > 0.0).step_by(3).for_each(|(_, t)| *t = f32::NAN);
     let targets: [&[f32]; 4] = [&s.target, &odd, &other, &[0.0; 131 * 90]];
     for quality in QUALITIES {
-        let all = solve_all(&s.problem(), &targets, quality, &Silent).expect("solves");
+        let fill = |k: usize, out: &mut [f32]| out.copy_from_slice(targets[k]);
+        let all = Solver::new(quality).solve_all(&s.problem(), 4, fill, &Silent).expect("solves");
         for (found, target) in all.iter().zip(targets) {
             let alone = solve(&Problem { target, ..s.problem() }, quality, &Silent).expect("solves");
             assert!(found.field.iter().zip(&alone.field).all(|(a, b)| a.to_bits() == b.to_bits()));
