@@ -14,7 +14,7 @@ use crate::prelude::*;
 /// It runs on the base grid. Single points pull a membrane to a sharp tip: give them some width with `expand`, or
 /// bend a plate. Known samples on one straight line leave the tilt of a plate across it open: it then has none on the
 /// whole, so two samples give an even slope from one to the other. One known sample gives a constant, none gives 0. A
-/// plate takes about four times as long as a membrane.
+/// plate takes about fifteen times as long as a membrane.
 ///
 /// # See also
 /// `import_height` fills the voids of a file by itself.
@@ -80,7 +80,7 @@ impl Node for DiffusePoints {
     fn cost(&self, grid: &Grid) -> Cost {
         let (nanoseconds, fields) = match self.surface {
             Surface::Membrane => (300.0, 24.0),
-            Surface::ThinPlate => (1500.0, 21.0),
+            Surface::ThinPlate => (2500.0, 21.0),
         };
         let cost = Cost::per_sample(grid, nanoseconds).with_fields(grid, fields);
         Cost { bytes: cost.bytes + diffusion::scratch(), ..cost }

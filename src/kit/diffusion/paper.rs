@@ -21,9 +21,10 @@ const WIDE: usize = 256;
 /// Floats that a tile may take: three quarters of a fast cache of 512 KiB.
 const TILE: usize = 96 * 1024;
 
-/// Bytes of the tiles that all threads work on, beside what grows with the grid.
+/// Bytes of the tiles that all threads work on, beside what grows with the grid. Tiles of plain and of guided problems
+/// have other shapes, and one has been both.
 pub fn scratch() -> u64 {
-    (TILE as u64 * 4 + (1 << 16)) * rayon::current_num_threads() as u64
+    (TILE as u64 * 6 + (1 << 16)) * rayon::current_num_threads() as u64
 }
 
 /// What is known of the constraints of a whole problem.
