@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::kit::diffusion::{self, Guidance, Problem, Quality as Solver, renormalise, solve};
+use crate::kit::diffusion::{self, Guidance, Problem, Solver, renormalise};
 use crate::prelude::*;
 use crate::value::{Mark, Planes};
 
@@ -104,12 +104,12 @@ impl Node for Diffuse {
 
     fn run(&self, cx: &Context<'_>, Inputs { constraints, base }: Inputs) -> Result<Outputs> {
         let planes = constraints.planes();
-        let spread = Spread { quality: self.quality, planes };
+        let mut spread = Spread { solver: Solver::new(self.quality.solver()), planes };
         let gradient = spread.gradient(&cx.stage(0.0, 0.45))?;
         let base = base.map(|b| b.crop(&cx.grid));
         let vectors = gradient.as_ref().map_or_else(|| vec![[0.0; 2]; cx.grid.len()], Gradient::vectors);
         let guides = spread.leaning(gradient);
-        let height = self.height(&spread, &cx.stage(0.45, 0.7), guides, base.as_ref())?;
+        let height = self.height(&mut spread, &cx.stage(0.45, 0.7), guides.as_ref(), base.as_ref())?;
         let [amplitude, roughness] = spread.noise(&cx.stage(0.7, 1.0))?;
         let field = |quantity, data| Field::new(cx.grid, quantity, data);
         Ok(Outputs {
@@ -124,21 +124,24 @@ impl Node for Diffuse {
 impl Diffuse {
     fn height(
         &self,
-        spread: &Spread<'_>,
+        spread: &mut Spread<'_>,
         cx: &Context<'_>,
-        guides: Option<Gradient>,
+        guides: Option<&Gradient>,
         base: Option<&Field>,
     ) -> Result<Vec<f32>> {
         let planes = spread.planes;
         let weights = |i: usize| self.weights(planes, i, base.map(|b| b.data()[i]));
-        let fixed = filled(planes, |i| weights(i).fixed);
-        let target = filled(planes, |i| weights(i).target);
-        let Some(Gradient { x, y, steepness }) = &guides else {
-            return spread.solve(cx, &fixed, &target, None);
-        };
-        let weight = filled(planes, |i| weights(i).gradient);
-        let cell = cx.grid.cell() as f32;
-        spread.solve(cx, &fixed, &target, Some(Guidance { weight: &weight, x, y, slope: steepness, cell }))
+        let fixed = spread.filled(|i| weights(i).fixed);
+        let target = spread.filled(|i| weights(i).target);
+        let weight = guides.map(|_| spread.filled(|i| weights(i).gradient));
+        let guidance = guides.zip(weight.as_deref()).map(|(Gradient { x, y, steepness }, weight)| {
+            Guidance { weight, x, y, slope: steepness, cell: cx.grid.cell() as f32 }
+        });
+        let (cols, rows) = (cx.grid.cols, cx.grid.rows);
+        let problem = Problem { cols, rows, fixed: &fixed, target: &target, guidance, source: None };
+        let height = spread.solver.solve(&problem, cx).map_err(refused)?.field;
+        [fixed, target].into_iter().chain(weight).for_each(|buffer| spread.solver.keep(buffer));
+        Ok(height)
     }
 
     /// The weights of a sample, and what it is drawn to. With a base, (9) of \[weiss2015\] as it is meant: what the
@@ -175,9 +178,9 @@ struct Weights {
     gradient: f32,
 }
 
-/// What is spread, and how well.
+/// What is spread, and what does it.
 struct Spread<'a> {
-    quality: Quality,
+    solver: Solver,
     planes: &'a Planes,
 }
 
@@ -204,19 +207,17 @@ impl Gradient {
 
 impl Spread<'_> {
     /// Direction and steepness, spread from where curves say them; none where no curve does.
-    fn gradient(&self, cx: &Context<'_>) -> Result<Option<Gradient>> {
-        let (Some(direction), Some(steepness)) = (&self.planes.direction, &self.planes.steepness) else {
+    fn gradient(&mut self, cx: &Context<'_>) -> Result<Option<Gradient>> {
+        let planes = self.planes;
+        let (Some(direction), Some(steep)) = (&planes.direction, &planes.steepness) else {
             return Ok(None);
         };
-        let fixed = self.marked(Mark::Gradient);
-        let axis = |k: usize| {
-            let target = filled(self.planes, |i| direction[i][k]);
-            let share = k as f32 / 3.0;
-            self.solve(&cx.stage(share, share + 1.0 / 3.0), &fixed, &target, None)
+        let fill = |k: usize, out: &mut [f32]| match k {
+            2 => fill(out, |i| steep[i]),
+            axis => fill(out, |i| direction[i][axis]),
         };
-        let (mut x, mut y) = (axis(0)?, axis(1)?);
+        let [mut x, mut y, steepness] = self.solve_all(cx, Mark::Gradient, fill)?;
         renormalise(&mut x, &mut y);
-        let steepness = self.solve(&cx.stage(2.0 / 3.0, 1.0), &fixed, steepness, None)?;
         Ok(Some(Gradient { x, y, steepness }))
     }
 
@@ -236,48 +237,59 @@ impl Spread<'_> {
     }
 
     /// Amplitude and roughness, spread from where curves say them.
-    fn noise(&self, cx: &Context<'_>) -> Result<[Vec<f32>; 2]> {
+    fn noise(&mut self, cx: &Context<'_>) -> Result<[Vec<f32>; 2]> {
         let Some(noise) = &self.planes.noise else {
             return Ok([vec![0.0; cx.grid.len()], vec![0.0; cx.grid.len()]]);
         };
-        let fixed = self.marked(Mark::Noise);
-        let part = |k: usize, limit: f32| {
-            let target = filled(self.planes, |i| noise[i][k]);
-            let share = k as f32 / 2.0;
-            let mut spread = self.solve(&cx.stage(share, share + 0.5), &fixed, &target, None)?;
-            spread.iter_mut().for_each(|v| *v = v.clamp(0.0, limit));
-            Ok(spread)
-        };
-        Ok([part(0, f32::MAX)?, part(1, 1.0)?])
+        let found = self.solve_all(cx, Mark::Noise, |k, out| fill(out, |i| noise[i][k]))?;
+        let [mut amplitude, mut roughness] = found;
+        amplitude.par_iter_mut().for_each(|v| *v = v.max(0.0));
+        roughness.par_iter_mut().for_each(|v| *v = v.clamp(0.0, 1.0));
+        Ok([amplitude, roughness])
     }
 
-    /// 1 where something is marked, 0 elsewhere.
-    fn marked(&self, mark: Mark) -> Vec<f32> {
-        filled(self.planes, |i| f32::from(u8::from(self.planes.marks[i] & mark.bit() != 0)))
-    }
-
-    fn solve(
-        &self,
+    /// Spreads several things that are known where samples are marked.
+    fn solve_all<const N: usize>(
+        &mut self,
         cx: &Context<'_>,
-        fixed: &[f32],
-        target: &[f32],
-        guidance: Option<Guidance<'_>>,
-    ) -> Result<Vec<f32>> {
+        mark: Mark,
+        target: impl Fn(usize, &mut [f32]),
+    ) -> Result<[Vec<f32>; N]> {
+        let marks = &self.planes.marks;
+        let fixed = self.filled(|i| f32::from(u8::from(marks[i] & mark.bit() != 0)));
         let (cols, rows) = (cx.grid.cols, cx.grid.rows);
-        let problem = Problem { cols, rows, fixed, target, guidance, source: None };
-        let quality = match self.quality {
-            Quality::Paper => Solver::Paper,
-            Quality::Converged => Solver::CONVERGED,
-        };
-        match solve(&problem, quality, cx) {
-            Ok(solution) => Ok(solution.field),
-            Err(diffusion::Error::Cancelled) => Err(Error::Cancelled),
-            Err(misfit) => Err(Error::Input { port: "constraints", message: misfit.to_string() }),
+        let problem = Problem { cols, rows, fixed: &fixed, target: &[], guidance: None, source: None };
+        let solutions = self.solver.solve_all(&problem, N, target, cx).map_err(refused)?;
+        self.solver.keep(fixed);
+        let mut fields = solutions.into_iter().map(|s| s.field);
+        Ok(std::array::from_fn(|_| fields.next().unwrap_or_default()))
+    }
+
+    /// A plane made sample by sample, in a buffer of the solver.
+    fn filled(&mut self, f: impl Fn(usize) -> f32 + Send + Sync) -> Vec<f32> {
+        let mut out = self.solver.buffer(self.planes.marks.len());
+        fill(&mut out, f);
+        out
+    }
+}
+
+impl Quality {
+    fn solver(self) -> diffusion::Quality {
+        match self {
+            Self::Paper => diffusion::Quality::Paper,
+            Self::Converged => diffusion::Quality::CONVERGED,
         }
     }
 }
 
-/// A plane made sample by sample.
-fn filled(planes: &Planes, f: impl Fn(usize) -> f32 + Send + Sync) -> Vec<f32> {
-    (0..planes.marks.len()).into_par_iter().with_min_len(1 << 14).map(f).collect()
+fn refused(error: diffusion::Error) -> Error {
+    match error {
+        diffusion::Error::Cancelled => Error::Cancelled,
+        misfit => Error::Input { port: "constraints", message: misfit.to_string() },
+    }
+}
+
+/// Makes a plane sample by sample.
+fn fill(out: &mut [f32], f: impl Fn(usize) -> f32 + Send + Sync) {
+    out.par_iter_mut().with_min_len(1 << 14).enumerate().for_each(|(i, o)| *o = f(i));
 }

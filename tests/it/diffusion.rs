@@ -1,5 +1,6 @@
 //! Tests of the diffusion solver.
 mod closed;
 mod exact;
+mod plate;
 mod robust;
 mod scenes;

@@ -7,10 +7,11 @@ use crate::kit::diffusion::finest::{correct, finest, residual};
 use crate::kit::diffusion::krylov::{Journal, bi_conjugate_gradients, conjugate_gradients};
 use crate::kit::diffusion::paper::{Extent, cascade, finish_row};
 use crate::kit::diffusion::problem::{Problem, constraint};
+use crate::kit::diffusion::scratch::Scratch;
 use crate::kit::diffusion::setup::coarsen;
-use crate::kit::diffusion::split::{measure, zeros};
+use crate::kit::diffusion::split::{Split, measure, zeros};
 use crate::kit::diffusion::watch::{Cancelled, Silent, Watch};
-use crate::kit::simd::Level;
+use crate::kit::simd::Level as Simd;
 
 /// Rounds that do not lower the error by this factor end the work.
 const STALL: f64 = 0.5;
@@ -27,26 +28,39 @@ pub(crate) struct Converged {
     pub(crate) converged: bool,
 }
 
-/// Solves to an estimated error of `tolerance` of the range.
-///
-/// Each round takes the exact residual of the field as it stands and iterates in `f32` for a correction; the work
-/// ends when the first estimate of a round is small enough, so no rounding of the iterations goes unseen.
-pub(crate) fn converge(
+/// What is made of a matrix once, for as many right sides as there are: all levels, and the vectors of the iterations.
+pub(crate) struct Prepared {
+    grid: Multigrid,
+    r: Split,
+    e: Split,
+    p: Split,
+}
+
+impl Prepared {
+    pub(crate) fn new(problem: &Problem<'_>, simd: Simd, watch: &dyn Watch) -> Result<Self, Cancelled> {
+        let (levels, coarsest) = coarsen(finest(problem, simd), simd, watch)?;
+        let vector = || zeros(problem.cols, problem.rows);
+        Ok(Self { grid: Multigrid { levels, coarsest, simd }, r: vector(), e: vector(), p: vector() })
+    }
+}
+
+/// Where the iterations start, less the offset.
+pub(crate) fn start(
     problem: &Problem<'_>,
     extent: Extent,
-    tolerance: f64,
-    most: usize,
-    simd: Level,
+    scratch: &mut Scratch,
+    simd: Simd,
     watch: &dyn Watch,
-) -> Result<Converged, Cancelled> {
-    let (cols, offset) = (problem.cols, extent.offset());
-    let guided = problem.guidance.is_some();
-    let band = JOB / cols + 1;
-    let mut field = if guided {
+) -> Result<Vec<f32>, Cancelled> {
+    let offset = extent.offset();
+    let mut field = if problem.guidance.is_some() {
         // Where guidance leaves the height open, as in flow that comes from the border, this decides.
         let open = Extent { bounded: false, ..extent };
-        let start = cascade(problem, open, simd, &Within(watch))?;
-        start.into_par_iter().map(|v| v - offset).collect()
+        let mut field = cascade(problem, open, scratch, simd, &Within(watch))?;
+        // The levels need the room.
+        scratch.clear();
+        field.par_iter_mut().for_each(|v| *v -= offset);
+        field
     } else {
         vec![0.0f32; problem.len()]
     };
@@ -54,19 +68,35 @@ pub(crate) fn converge(
         let (share, value) = constraint(f, t, offset);
         *o = if share == 1.0 { value } else { *o };
     });
-    watch.progress(0.1);
-    let (levels, coarsest) = coarsen(finest(problem, simd), simd, watch)?;
-    let mut grid = Multigrid { levels, coarsest, simd };
+    Ok(field)
+}
+
+/// Solves to an estimated error of `tolerance` of the range, from a field on.
+///
+/// Each round takes the exact residual of the field as it stands and iterates in `f32` for a correction; the work
+/// ends when the first estimate of a round is small enough, so no rounding of the iterations goes unseen.
+pub(crate) fn converge(
+    problem: &Problem<'_>,
+    extent: Extent,
+    (tolerance, most): (f64, usize),
+    prepared: &mut Prepared,
+    mut field: Vec<f32>,
+    watch: &dyn Watch,
+) -> Result<Converged, Cancelled> {
+    let (cols, offset) = (problem.cols, extent.offset());
+    let guided = problem.guidance.is_some();
+    let band = JOB / cols + 1;
+    let Prepared { grid, r, e, p } = prepared;
+    let simd = grid.simd;
     watch.progress(0.2);
-    let (mut r, mut e) = (zeros(cols, problem.rows), zeros(cols, problem.rows));
     let mut journal = Journal { watch, cycles: 0, most, history: Vec::new(), done: 0.2 };
     let (mut last, mut left, mut best) = (f64::INFINITY, f64::INFINITY, None);
     let (range, converged) = loop {
         let range = spread(&field).max(f64::from(extent.high - extent.low));
         let goal = tolerance.max(0.0) * range;
-        residual(problem, offset, &field, simd, &mut r);
+        residual(problem, offset, &field, simd, r);
         // Where the height is all but open the estimate may err; the residual does not.
-        let size = if guided { measure(simd, &r, &r).1 } else { 0.0 };
+        let size = if guided { measure(simd, r, r).1 } else { 0.0 };
         let worse = guided && size > left;
         left = size;
         if journal.cycles >= most && !worse {
@@ -75,9 +105,9 @@ pub(crate) fn converge(
         let error = if worse {
             f64::INFINITY
         } else if guided {
-            bi_conjugate_gradients(&mut grid, &mut r, &mut e, goal, &mut journal)?
+            bi_conjugate_gradients(grid, (&mut *r, &mut *e, &mut *p), goal, &mut journal)?
         } else {
-            conjugate_gradients(&mut grid, &mut r, &mut e, goal, &mut journal)?
+            conjugate_gradients(grid, (&mut *r, &mut *e, &mut *p), goal, &mut journal)?
         };
         let better = error <= STALL * last;
         if !better && let Some(best) = best.take() {
@@ -92,7 +122,7 @@ pub(crate) fn converge(
         }
         last = error;
         if error.is_finite() {
-            correct(cols, &e, simd, &mut field);
+            correct(cols, e, simd, &mut field);
         }
         if error <= goal || !better {
             break (range, error <= goal);

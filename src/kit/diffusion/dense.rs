@@ -60,7 +60,7 @@ impl Dense {
 }
 
 /// Gauss-Jordan elimination on the diagonal: the equations are dominated by it.
-fn invert(mut a: Vec<f64>, n: usize) -> Vec<f64> {
+pub(crate) fn invert(mut a: Vec<f64>, n: usize) -> Vec<f64> {
     let mut inverse = vec![0.0; n * n];
     for k in 0..n {
         inverse[k * n + k] = 1.0;

@@ -43,17 +43,16 @@ impl Journal<'_> {
 }
 
 /// Fills `e` with a correction for the residual `r` whose estimated error is below `goal`, or as near as the cycles
-/// allow. `r` is used up. Gives the estimated error at the start.
+/// allow. `r` is used up, and `p` is for the direction. Gives the estimated error at the start.
 pub(crate) fn conjugate_gradients(
     grid: &mut Multigrid,
-    r: &mut Split,
-    e: &mut Split,
+    (r, e, p): (&mut Split, &mut Split, &mut Split),
     goal: f64,
     journal: &mut Journal<'_>,
 ) -> Result<f64, Cancelled> {
     let simd = grid.simd;
-    let mut p = zeros(grid.levels[0].cols, grid.levels[0].rows);
     clear(e);
+    clear(p);
     let (mut start, mut before, mut alpha) = (None, 0.0, 0.0f32);
     loop {
         let (product, error) = journal.precondition(grid, r)?;
@@ -62,41 +61,41 @@ pub(crate) fn conjugate_gradients(
         let level = &grid.levels[0];
         let beta = if before > 0.0 { product / before } else { 0.0 };
         before = product;
-        advance(simd, alpha, e, &level.u, beta as f32, &mut p);
+        advance(simd, alpha, e, &level.u, beta as f32, p);
         if error <= goal.max(ROUND * start) || journal.spent() {
             combine(simd, 1.0, &level.u, 1.0, e);
             return Ok(start);
         }
-        alpha = (product / level.energy(simd, &p)) as f32;
+        alpha = (product / level.energy(simd, p)) as f32;
         if !(alpha.is_finite() && alpha > 0.0) {
             return Ok(start);
         }
-        level.add_applied(simd, -alpha, &p, r);
+        level.add_applied(simd, -alpha, p, r);
     }
 }
 
 /// The same without symmetry.
 pub(crate) fn bi_conjugate_gradients(
     grid: &mut Multigrid,
-    r: &mut Split,
-    e: &mut Split,
+    (r, e, p): (&mut Split, &mut Split, &mut Split),
     goal: f64,
     journal: &mut Journal<'_>,
 ) -> Result<f64, Cancelled> {
     let simd = grid.simd;
     let (cols, rows) = (grid.levels[0].cols, grid.levels[0].rows);
-    let (mut p, mut v, mut t) = (zeros(cols, rows), zeros(cols, rows), zeros(cols, rows));
+    let (mut v, mut t) = (zeros(cols, rows), zeros(cols, rows));
     let shadow = r.clone();
     clear(e);
+    clear(p);
     let mut start = None;
     let (mut before, mut alpha, mut omega) = (1.0, 1.0, 1.0);
     loop {
         let product = dot(simd, &shadow, r);
         let beta = product / before * (alpha / omega);
         before = product;
-        combine(simd, -omega as f32, &v, 1.0, &mut p);
-        combine(simd, 1.0, r, beta as f32, &mut p);
-        let (_, error) = journal.precondition(grid, &p)?;
+        combine(simd, -omega as f32, &v, 1.0, p);
+        combine(simd, 1.0, r, beta as f32, p);
+        let (_, error) = journal.precondition(grid, p)?;
         let level = &grid.levels[0];
         if start.is_none() {
             // Later on this is no longer an estimate of the error, only of a direction.

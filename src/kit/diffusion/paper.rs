@@ -4,12 +4,11 @@
 //! a margin as wide as there are sweeps, and each sweep is one cell smaller all around. The finest level's maps are
 //! read once and its field is written once.
 
-use std::sync::{Mutex, PoisonError};
-
 use rayon::prelude::*;
 
 use crate::kit::diffusion::problem::{Equation, FAINT, HUGE, Problem, constraint};
 use crate::kit::diffusion::pyramid::{Coarse, Halving, Maps};
+use crate::kit::diffusion::scratch::Scratch;
 use crate::kit::diffusion::watch::{Cancelled, Watch};
 use crate::kit::simd::{Kernel, Level, larger, smaller};
 
@@ -22,9 +21,10 @@ const WIDE: usize = 256;
 /// Floats that a tile may take: three quarters of a fast cache of 512 KiB.
 const TILE: usize = 96 * 1024;
 
-/// Bytes of the tiles that all threads work on, beside what grows with the grid.
+/// Bytes of the tiles that all threads work on, beside what grows with the grid. Tiles of plain and of guided problems
+/// have other shapes, and one has been both.
 pub fn scratch() -> u64 {
-    (TILE as u64 * 4 + (1 << 16)) * rayon::current_num_threads() as u64
+    (TILE as u64 * 6 + (1 << 16)) * rayon::current_num_threads() as u64
 }
 
 /// What is known of the constraints of a whole problem.
@@ -47,6 +47,7 @@ impl Extent {
 pub(crate) fn cascade(
     finest: &Problem<'_>,
     extent: Extent,
+    scratch: &mut Scratch,
     level: Level,
     watch: &dyn Watch,
 ) -> Result<Vec<f32>, Cancelled> {
@@ -58,7 +59,7 @@ pub(crate) fn cascade(
             break;
         }
         watch.check()?;
-        let next = Maps::halved(&last, strongest, level);
+        let next = Maps::halved(&last, strongest, scratch, level);
         coarse.push(next);
     }
     watch.progress(0.2);
@@ -82,14 +83,16 @@ pub(crate) fn cascade(
             let finish = (k == 0 && part + 1 == parts).then_some(extent);
             let mut next = std::mem::take(&mut spare);
             if next.len() != problem.len() {
-                next = vec![0.0; problem.len()];
+                scratch.keep(std::mem::take(&mut next));
+                next = scratch.take(problem.len());
             }
-            sweep(&problem, extent.offset(), some, from, finish, level, watch, &mut next)?;
+            sweep(&problem, extent.offset(), some, from, finish, scratch, level, watch, &mut next)?;
             spare = std::mem::replace(&mut field, next);
         }
-        coarse.truncate(k.saturating_sub(1));
+        coarse.drain(k.saturating_sub(1)..).for_each(|maps| maps.keep(scratch));
         watch.progress(1.0 - 0.8 * k as f32 / (k + 1) as f32);
     }
+    scratch.keep(spare);
     Ok(field)
 }
 
@@ -109,6 +112,7 @@ fn sweep(
     sweeps: usize,
     from: Start<'_>,
     finish: Option<Extent>,
+    scratch: &Scratch,
     level: Level,
     watch: &dyn Watch,
     out: &mut [f32],
@@ -118,13 +122,10 @@ fn sweep(
     let arrays = if guided { 7 } else { 4 };
     let wide = problem.cols.min(WIDE) + 2 * margin + 2;
     let high = (TILE / arrays / wide).saturating_sub(2 * margin + 2).clamp(32, 4 * WIDE);
-    // Tiles are handed on from band to band: fresh memory costs more than the sweeps.
-    let spare: Mutex<Vec<Tile>> = Mutex::default();
-    let tiles = || spare.lock().unwrap_or_else(PoisonError::into_inner);
     let one = |band: usize, rows: &mut [f32]| {
         watch.check()?;
-        let kept = tiles().pop();
-        let mut tile = kept.unwrap_or_else(|| Tile::new(wide, high + 2 * margin + 2, guided));
+        let mut tile = scratch.take_tile();
+        tile.fit(wide, high + 2 * margin + 2, guided);
         let span = (band * high, band * high + rows.len() / problem.cols);
         for x in (0..problem.cols).step_by(WIDE) {
             let end = (x + WIDE).min(problem.cols);
@@ -134,14 +135,15 @@ fn sweep(
             }
             tile.store(problem, (x, end), span, finish.map(|e| (e, offset)), level, rows);
         }
-        tiles().push(tile);
+        scratch.keep_tile(tile);
         Ok(())
     };
     out.par_chunks_mut(problem.cols * high).enumerate().try_for_each(|(band, rows)| one(band, rows))
 }
 
 /// A piece of a level in the fast cache, with a margin for the sweeps and one line more all around.
-struct Tile {
+#[derive(Default)]
+pub(crate) struct Tile {
     stride: usize,
     /// First cell and size, with the margin.
     at: (usize, usize),
@@ -158,19 +160,19 @@ struct Tile {
 }
 
 impl Tile {
-    fn new(wide: usize, high: usize, guided: bool) -> Self {
-        let plane = || vec![0.0; wide * high];
-        Self {
-            stride: wide,
-            at: (0, 0),
-            size: (0, 0),
-            border: [true; 4],
-            field: plane(),
-            next: plane(),
-            add: plane(),
-            weights: (0..if guided { 4 } else { 1 }).map(|_| plane()).collect(),
-            equation: Equation::new(if guided { wide } else { 0 }),
-            line: vec![0.0; wide],
+    /// Makes room; what is in it stays arbitrary.
+    fn fit(&mut self, wide: usize, high: usize, guided: bool) {
+        self.stride = wide;
+        self.weights.resize_with(if guided { 4 } else { 1 }, Vec::new);
+        let planes = [&mut self.field, &mut self.next, &mut self.add].into_iter().chain(&mut self.weights);
+        for plane in planes.filter(|p| p.len() < wide * high) {
+            plane.resize(wide * high, 0.0);
+        }
+        if guided && self.equation.add.len() < wide {
+            self.equation = Equation::new(wide);
+        }
+        if self.line.len() < wide {
+            self.line.resize(wide, 0.0);
         }
     }
 

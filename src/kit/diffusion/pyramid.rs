@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 
 use crate::kit::diffusion::problem::{Guidance, HUGE, Problem, constraint};
+use crate::kit::diffusion::scratch::Scratch;
 use crate::kit::simd::{Kernel, Level, larger, smaller};
 
 /// How an axis is halved.
@@ -80,22 +81,29 @@ impl Maps {
         }
     }
 
+    /// Gives the maps' buffers back.
+    pub(crate) fn keep(self, scratch: &mut Scratch) {
+        let Self { fixed, target, source, guidance, .. } = self;
+        let all = [fixed, target].into_iter().chain(source).chain(guidance.into_iter().flatten());
+        all.for_each(|buffer| scratch.keep(buffer));
+    }
+
     /// Halves a problem: a coarse cell has twice the mean share of its cells, so that a line stays a line and grows no
     /// wider, but half of a lone point's at least, at the mean target; guidance is the mean of the gradient, where it covers at
     /// least half of the cell. `strongest` is the largest weight of the finest guidance.
     ///
     /// A slope that is narrower than a coarse cell would dip its surroundings: at its far end it no longer fades, and
     /// the sweeps take it for a sink.
-    pub(crate) fn halved(fine: &Problem<'_>, strongest: f32, level: Level) -> Self {
+    pub(crate) fn halved(fine: &Problem<'_>, strongest: f32, scratch: &mut Scratch, level: Level) -> Self {
         let (h, v) = (Halving::of(fine.cols), Halving::of(fine.rows));
         let n = h.coarse * v.coarse;
         let mut out = Self {
             cols: h.coarse,
             rows: v.coarse,
-            fixed: vec![0.0; n],
-            target: vec![0.0; n],
-            source: fine.source.map(|_| vec![0.0; n]),
-            guidance: fine.guidance.map(|_| std::array::from_fn(|_| vec![0.0; n])),
+            fixed: scratch.take(n),
+            target: scratch.take(n),
+            source: fine.source.map(|_| scratch.take(n)),
+            guidance: fine.guidance.map(|_| std::array::from_fn(|_| scratch.take(n))),
             cell: fine.guidance.map_or(1.0, |g| g.cell * 2.0),
         };
         let mut planes: Vec<&mut [f32]> = vec![&mut out.fixed, &mut out.target];

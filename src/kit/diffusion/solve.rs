@@ -2,13 +2,9 @@
 
 use std::fmt;
 
-use rayon::prelude::*;
-
-use crate::kit::diffusion::converged::converge;
-use crate::kit::diffusion::paper::{Extent, cascade};
-use crate::kit::diffusion::problem::{HUGE, Problem};
+use crate::kit::diffusion::problem::Problem;
+use crate::kit::diffusion::solver::Solver;
 use crate::kit::diffusion::watch::{Cancelled, Watch};
-use crate::kit::simd::Level;
 
 /// How well a problem is solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +38,13 @@ pub struct Solution {
     pub history: Vec<f64>,
     /// Whether the tolerance was met; true in `Paper` quality, which has none.
     pub converged: bool,
+}
+
+impl Solution {
+    /// Zeros.
+    pub(crate) fn nothing(cells: usize) -> Self {
+        Self { field: vec![0.0; cells], cycles: 0, history: Vec::new(), converged: true }
+    }
 }
 
 /// Why there is no field.
@@ -89,74 +92,14 @@ impl std::error::Error for Error {}
 /// # Errors
 /// [`Error::Length`] when an array does not fit the grid; [`Error::Cancelled`] when the watch asks to stop.
 pub fn solve(problem: &Problem<'_>, quality: Quality, watch: &dyn Watch) -> Result<Solution, Error> {
-    solve_at(problem, quality, watch, Level::best())
-}
-
-pub(crate) fn solve_at(
-    problem: &Problem<'_>,
-    quality: Quality,
-    watch: &dyn Watch,
-    level: Level,
-) -> Result<Solution, Error> {
-    let cells = problem.len();
-    if let Some((array, found)) = problem.misfit() {
-        return Err(Error::Length { array, found, expected: cells });
-    }
-    let nothing = Solution { field: vec![0.0; cells], cycles: 0, history: Vec::new(), converged: true };
-    if cells == 0 {
-        return Ok(nothing);
-    }
-    watch.check()?;
-    let (low, high, guided) = (0..problem.rows)
-        .into_par_iter()
-        .map(|j| problem.survey(level, j))
-        .reduce(|| (HUGE, -HUGE, false), |a, b| (a.0.min(b.0), a.1.max(b.1), a.2 || b.2));
-    let problem = Problem { guidance: problem.guidance.filter(|_| guided), ..*problem };
-    let shaped = guided || problem.source.is_some_and(|s| s.iter().any(|&s| s != 0.0));
-    if low <= high {
-        let extent = Extent { low, high, bounded: !shaped };
-        return run(&problem, extent, quality, watch, level);
-    }
-    if !shaped {
-        return Ok(nothing);
-    }
-    let (cols, rows) = (problem.cols, problem.rows);
-    let border = |k: usize| {
-        let (i, j) = (k % cols, k / cols);
-        i == 0 || j == 0 || i + 1 == cols || j + 1 == rows
-    };
-    let fixed: Vec<f32> = (0..cells).map(|k| if border(k) { 1.0 } else { 0.0 }).collect();
-    let anchored = Problem { fixed: &fixed, target: &nothing.field, ..problem };
-    run(&anchored, Extent { low: 0.0, high: 0.0, bounded: false }, quality, watch, level)
-}
-
-fn run(
-    problem: &Problem<'_>,
-    extent: Extent,
-    quality: Quality,
-    watch: &dyn Watch,
-    level: Level,
-) -> Result<Solution, Error> {
-    let solution = match quality {
-        Quality::Paper => {
-            let field = cascade(problem, extent, level, watch)?;
-            Solution { field, cycles: 0, history: Vec::new(), converged: true }
-        }
-        Quality::Converged { tolerance, cycles } => {
-            let found = converge(problem, extent, tolerance, cycles, level, watch)?;
-            let scale = if found.range > 0.0 { 1.0 / found.range } else { 1.0 };
-            let history: Vec<f64> = found.history.iter().map(|e| e * scale).collect();
-            Solution { field: found.field, cycles: found.cycles, history, converged: found.converged }
-        }
-    };
-    watch.progress(1.0);
-    Ok(solution)
+    Solver::new(quality).solve(problem, watch)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::kit::diffusion::watch::Silent;
+    use crate::kit::simd::Level;
 
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
@@ -177,7 +120,7 @@ mod tests {
         for guidance in [None, Some(guidance)] {
             let problem = Problem { cols, rows, fixed: &fixed, target: &target, guidance, source: None };
             for quality in [Quality::Paper, Quality::CONVERGED] {
-                let run = |level| solve_at(&problem, quality, &Silent, level).expect("solves");
+                let run = |level| Solver::at(quality, level).solve(&problem, &Silent).expect("solves");
                 let base = run(Level::BASELINE);
                 for level in Level::available() {
                     let other = run(level);

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use orograph::kit::diffusion::{Error, Quality, Silent, Watch, solve};
+use orograph::kit::diffusion::{Error, Problem, Quality, Silent, Solver, Watch, solve};
 
 use super::scenes::Scene;
 
@@ -180,5 +180,25 @@ fn work_tells_and_stops() {
         solve(&s.problem(), quality, &stop).expect("solves");
         let told = stop.told.into_inner().expect("whole");
         assert!(told.len() > 3 && told.is_sorted() && told.last() == Some(&1.0), "{told:?}");
+    }
+}
+
+#[test]
+fn several_targets_are_solved_as_one_by_one() {
+    let s = Scene::curves(131, 90);
+    let other: Vec<f32> = s.target.iter().map(|t| 3.0 - 0.5 * t + (t * 0.01).sqrt()).collect();
+    // Not a number where it counts: another set of constraints.
+    let mut odd = other.clone();
+    s.fixed.iter().zip(&mut odd).filter(|(f, _)| **f > 0.0).step_by(3).for_each(|(_, t)| *t = f32::NAN);
+    let targets: [&[f32]; 4] = [&s.target, &odd, &other, &[0.0; 131 * 90]];
+    for quality in QUALITIES {
+        let fill = |k: usize, out: &mut [f32]| out.copy_from_slice(targets[k]);
+        let all = Solver::new(quality).solve_all(&s.problem(), 4, fill, &Silent).expect("solves");
+        for (found, target) in all.iter().zip(targets) {
+            let alone = solve(&Problem { target, ..s.problem() }, quality, &Silent).expect("solves");
+            assert!(found.field.iter().zip(&alone.field).all(|(a, b)| a.to_bits() == b.to_bits()));
+            assert_eq!((&found.history, found.cycles), (&alone.history, alone.cycles));
+        }
+        assert_eq!(all.len(), 4);
     }
 }
