@@ -32,6 +32,8 @@
 
 pub mod cli;
 pub mod context;
+#[cfg(feature = "editor")]
+pub mod editor;
 pub mod engine;
 pub mod files;
 pub mod graph;

@@ -16,6 +16,7 @@ mod render;
 mod report;
 mod tiles;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -53,6 +54,12 @@ enum Command {
     Convert(convert::Args),
     /// Draws a shaded picture of a graph's output or of a height file
     Render(Box<render::Args>),
+    /// Opens the editor
+    #[cfg(feature = "editor")]
+    Edit {
+        /// The graph to open
+        graph: Option<std::path::PathBuf>,
+    },
     /// Prints a completion script for a shell
     Completions {
         /// The shell
@@ -62,7 +69,7 @@ enum Command {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::try_parse_from(words(std::env::args_os().collect())) {
         Ok(cli) => cli,
         Err(e) => {
             // Help and version go to standard output and are no error.
@@ -90,6 +97,22 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// The words of the command line; a graph alone, or nothing where there is a screen, means the editor.
+fn words(mut words: Vec<OsString>) -> Vec<OsString> {
+    if !cfg!(feature = "editor") {
+        return words;
+    }
+    let is_graph = |word: &OsString| std::path::Path::new(word).extension().is_some_and(|e| e == "graph");
+    let screen = !cfg!(target_os = "linux")
+        || ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some());
+    match &words[..] {
+        [_] if screen => words.push("edit".into()),
+        [_, graph] if is_graph(graph) => words.insert(1, "edit".into()),
+        _ => (),
+    }
+    words
+}
+
 fn run(cli: Cli, cancel: &Cancel) -> Result<Exit, exit::Stop> {
     let registry = Registry::standard();
     match cli.command {
@@ -105,6 +128,10 @@ fn run(cli: Cli, cancel: &Cancel) -> Result<Exit, exit::Stop> {
         Command::Fmt(args) => check::fmt(&args, &registry),
         Command::Convert(args) => convert::run(&args, cancel),
         Command::Render(args) => render::run(&args, &registry, cancel),
+        #[cfg(feature = "editor")]
+        Command::Edit { graph } => {
+            crate::editor::run(graph).map(|()| Exit::Done).map_err(|e| exit::Stop::new(Exit::Device, e))
+        }
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "orograph", &mut script);

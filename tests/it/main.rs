@@ -5,6 +5,8 @@
 mod cli;
 mod curves;
 mod diffusion;
+#[cfg(feature = "editor")]
+mod editor;
 mod engine;
 mod fed;
 mod files;

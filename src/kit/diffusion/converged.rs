@@ -124,6 +124,11 @@ pub(crate) fn converge(
         if error.is_finite() {
             correct(cols, e, simd, &mut field);
         }
+        // The largest of some numbers says nothing of those that are none.
+        if guided && !is_finite(&field) {
+            field = best.take().unwrap_or(field);
+            break (range, false);
+        }
         if error <= goal || !better {
             break (range, error <= goal);
         }
@@ -133,6 +138,10 @@ pub(crate) fn converge(
         finish_row(problem, extent, offset, b * band * cols, simd, piece);
     });
     Ok(Converged { field, cycles, history, range, converged })
+}
+
+fn is_finite(field: &[f32]) -> bool {
+    field.par_chunks(JOB).all(|block| block.iter().fold(0.0, |sum, v| sum + 0.0 * v) == 0.0)
 }
 
 /// The largest minus the smallest value.

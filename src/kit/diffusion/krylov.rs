@@ -11,6 +11,9 @@ const SAFETY: f64 = 2.0;
 /// By how much one round of iterations lowers the error, at most: what `f32` holds for sure.
 const ROUND: f64 = 2e-3;
 
+/// Factors of this size are no steps but the breakdown of the iteration.
+const BROKEN: f64 = 1e12;
+
 /// When to stop, and what happened so far.
 pub(crate) struct Journal<'a> {
     pub(crate) watch: &'a dyn Watch,
@@ -91,8 +94,12 @@ pub(crate) fn bi_conjugate_gradients(
     let (mut before, mut alpha, mut omega) = (1.0, 1.0, 1.0);
     loop {
         let product = dot(simd, &shadow, r);
-        let beta = product / before * (alpha / omega);
+        let beta = if start.is_none() { 0.0 } else { product / before * (alpha / omega) };
         before = product;
+        if let Some(start) = start.filter(|_| !(beta.abs() < BROKEN)) {
+            // The residual has nothing left of the shadow: what was found so far stands, and another round starts anew.
+            return Ok(start);
+        }
         combine(simd, -omega as f32, &v, 1.0, p);
         combine(simd, 1.0, r, beta as f32, p);
         let (_, error) = journal.precondition(grid, p)?;
@@ -119,8 +126,11 @@ pub(crate) fn bi_conjugate_gradients(
         let level = &grid.levels[0];
         level.apply(simd, &level.u, &mut t);
         omega = dot(simd, &t, r) / dot(simd, &t, &t);
-        if error <= goal.max(ROUND * start) || journal.spent() || !(omega.is_finite() && omega != 0.0) {
-            combine(simd, 1.0, &level.u, 1.0, e);
+        let broken = !(omega.abs() < BROKEN && omega != 0.0);
+        if error <= goal.max(ROUND * start) || journal.spent() || broken {
+            if error.is_finite() {
+                combine(simd, 1.0, &level.u, 1.0, e);
+            }
             return Ok(start);
         }
         combine(simd, omega as f32, &level.u, 1.0, e);

@@ -296,7 +296,7 @@ impl Kernel for Finish<'_> {
         let n = self.row.len();
         let (fixed, target) = (&self.fixed[..n], &self.target[..n]);
         let Extent { low, high, bounded } = self.extent;
-        let (low, high) = if bounded { (low, high) } else { (-f32::MAX, f32::MAX) };
+        let (low, high) = if bounded { (low, high) } else { (f32::NEG_INFINITY, f32::INFINITY) };
         let row = &mut self.row[..n];
         for i in 0..n {
             let value = smaller(larger(row[i] + self.offset, low), high);

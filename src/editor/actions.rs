@@ -1,0 +1,279 @@
+//! What each command does.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{Context, ViewportCommand};
+use serde_json::Value as Json;
+
+use super::app::{Editor, FileFor};
+use super::canvas::arrange::{Side, align, columns};
+use super::canvas::layout::covered;
+use super::canvas::{Chosen, GRID};
+use super::command::Command;
+use super::dialogs::Dialog;
+use super::document::Document;
+use super::ops;
+use super::panels::Tab;
+use crate::graph::{Graph, NodeId, Note, Problem};
+
+/// What happens after unsaved work was saved or given up.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum After {
+    New,
+    Open,
+    OpenFile(PathBuf),
+    Quit,
+}
+
+impl Editor {
+    pub(super) fn perform(&mut self, ctx: &Context, command: Command) {
+        match command {
+            Command::New => self.leave(ctx, After::New),
+            Command::Open => self.leave(ctx, After::Open),
+            Command::Quit => self.leave(ctx, After::Quit),
+            Command::Save => self.save(ctx),
+            Command::SaveAs => self.ask(ctx, FileFor::SaveAs),
+            Command::Build => self.open_build(),
+            Command::Undo => _ = self.document.undo(),
+            Command::Redo => _ = self.document.redo(),
+            Command::Cut => {
+                self.copy(ctx);
+                self.remove(false);
+            }
+            Command::Copy => self.copy(ctx),
+            Command::Paste => ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
+            Command::Duplicate => self.duplicate(),
+            Command::SelectAll => self.select_all(),
+            Command::RemoveBridged => self.remove(true),
+            Command::Remove => self.remove(false),
+            Command::Find => self.dialog = Dialog::find(),
+            Command::AddNode => self.canvas.open_search(),
+            Command::AddFrame => self.add_note(),
+            Command::Bypass => self.on_chosen("Bypass", ops::toggle_bypass),
+            Command::Pin => self.pin(),
+            Command::Rename => {
+                self.tab = Tab::Node;
+                self.rename_next(ctx);
+            }
+            Command::ArrangeTree => self.on_chosen("Arrange", columns),
+            Command::ArrangeAll => {
+                let all: BTreeSet<NodeId> = self.graph().nodes().collect();
+                self.edit("Arrange all", |g| columns(g, &all));
+                self.canvas.show_all();
+            }
+            Command::AlignLeft => self.on_chosen("Align left", |g, ids| align(g, ids, Side::Left)),
+            Command::AlignTop => self.on_chosen("Align top", |g, ids| align(g, ids, Side::Top)),
+            Command::FrameView => self.canvas.frame(self.document.graph()),
+            Command::Snap => {
+                self.canvas.snap = !self.canvas.snap;
+                self.write_settings();
+            }
+            Command::Palette => self.dialog = Dialog::palette(),
+            Command::Help => self.dialog = Dialog::Help,
+            Command::History => self.tab = Tab::History,
+            Command::Theme => {
+                self.settings.dark = !self.settings.dark;
+                self.set_theme(ctx);
+                self.write_settings();
+            }
+        }
+    }
+
+    /// Whether a command would do something now.
+    pub(super) fn can(&self, command: Command) -> bool {
+        let chosen = &self.canvas.chosen;
+        match command {
+            Command::Undo => self.document.undo_labels()[0].is_some(),
+            Command::Redo => self.document.undo_labels()[1].is_some(),
+            Command::Cut | Command::Copy | Command::Duplicate => !chosen.is_empty(),
+            Command::Remove | Command::RemoveBridged => !chosen.is_empty(),
+            Command::Bypass | Command::ArrangeTree => !chosen.nodes.is_empty(),
+            Command::AlignLeft | Command::AlignTop => chosen.nodes.len() > 1,
+            Command::Rename => chosen.nodes.len() == 1,
+            Command::Build => self.graph().outputs().len() > 0,
+            _ => true,
+        }
+    }
+
+    fn edit<T>(&mut self, label: &str, change: impl FnOnce(&mut Graph) -> Result<T, Problem>) -> Option<T> {
+        match self.document.edit(label, change) {
+            Ok(given) => Some(given),
+            Err(problem) => {
+                self.notices.problem(&problem);
+                None
+            }
+        }
+    }
+
+    fn on_chosen(
+        &mut self,
+        label: &str,
+        change: impl FnOnce(&mut Graph, &BTreeSet<NodeId>) -> Result<(), Problem>,
+    ) {
+        let ids = self.canvas.chosen.nodes.clone();
+        if ids.is_empty() {
+            self.notices.fail(format!("{label}: select some nodes first"));
+            return;
+        }
+        self.edit(label, |g| change(g, &ids));
+    }
+
+    fn pin(&mut self) {
+        let chosen = self.canvas.chosen.nodes.first().copied();
+        self.pinned =
+            if self.pinned.is_some() && (chosen.is_none() || chosen == self.pinned) { None } else { chosen };
+    }
+
+    fn rename_next(&self, ctx: &Context) {
+        ctx.data_mut(|d| d.insert_temp(super::panels::focus_name(), true));
+    }
+
+    fn copy(&mut self, ctx: &Context) {
+        let Chosen { nodes, notes } = &self.canvas.chosen;
+        if let Some(text) = ops::copied(self.document.graph(), nodes, notes) {
+            ctx.copy_text(text);
+        }
+    }
+
+    fn duplicate(&mut self) {
+        let Chosen { nodes, notes } = self.canvas.chosen.clone();
+        let nodes: Vec<_> = nodes.into_iter().collect();
+        let notes: Vec<_> = notes.into_iter().collect();
+        let part = self.graph().fragment(&nodes, &notes);
+        let by = f64::from(2.0 * GRID);
+        if let Some(new) = self.edit("Duplicate", |g| g.graft(&part, [by, by])) {
+            self.canvas.chosen = chosen_of(new);
+        }
+    }
+
+    /// Pastes a text where the pointer is.
+    pub(super) fn paste(&mut self, text: &str) {
+        let at = self.canvas.place();
+        match ops::readable(text, &self.registry) {
+            Err(e) => self.notices.fail(format!("What is on the clipboard is not a part of a graph: {e}")),
+            Ok(part) => {
+                if let Some(new) = self.edit("Paste", |g| ops::paste(g, &part, at)) {
+                    self.canvas.chosen = chosen_of(new);
+                }
+            }
+        }
+    }
+
+    fn select_all(&mut self) {
+        let graph = self.document.graph();
+        let notes = graph.notes().map(|(name, _)| name.to_owned()).collect();
+        self.canvas.chosen = Chosen { nodes: graph.nodes().collect(), notes };
+    }
+
+    fn remove(&mut self, bridge: bool) {
+        let Chosen { nodes, notes } = std::mem::take(&mut self.canvas.chosen);
+        if nodes.is_empty() && notes.is_empty() {
+            return;
+        }
+        let label =
+            if nodes.len() > 1 { format!("Delete {} nodes", nodes.len()) } else { "Delete".to_owned() };
+        self.edit(&label, |g| ops::remove(g, &nodes, &notes, bridge));
+    }
+
+    fn add_note(&mut self) {
+        let graph = self.document.graph();
+        let chosen = &self.canvas.chosen;
+        let around = covered(graph, chosen.nodes.iter().copied(), []);
+        let note = if around.is_positive() {
+            let rect = around.expand2(eframe::egui::vec2(GRID, GRID));
+            let top = rect.top() - super::canvas::layout::NOTE_HEAD;
+            Note {
+                at: [f64::from(rect.left()), f64::from(top)],
+                size: [f64::from(rect.width()), f64::from(rect.bottom() - top)],
+                ..Note::default()
+            }
+        } else {
+            Note { at: self.canvas.place(), ..Note::default() }
+        };
+        let note = Note { title: "Note".to_owned(), ..note };
+        if let Some(name) = self.edit("Add note", |g| g.add_note(note)) {
+            self.canvas.chosen = Chosen { nodes: BTreeSet::new(), notes: BTreeSet::from([name]) };
+            self.tab = Tab::Node;
+        }
+    }
+
+    /// Goes on to something else; asks first when there is unsaved work.
+    pub(super) fn leave(&mut self, ctx: &Context, after: After) {
+        if self.document.is_unsaved() {
+            self.dialog = Dialog::Unsaved(after);
+        } else {
+            self.go_on(ctx, after);
+        }
+    }
+
+    pub(super) fn go_on(&mut self, ctx: &Context, after: After) {
+        match after {
+            After::New => {
+                let document = Document::untitled(&self.registry);
+                self.adopt(ctx, document);
+            }
+            After::Open => self.ask(ctx, FileFor::Open),
+            After::OpenFile(path) => self.open(ctx, &path),
+            After::Quit => {
+                self.closing = true;
+                ctx.send_viewport_cmd(ViewportCommand::Close);
+            }
+        }
+    }
+
+    fn save(&mut self, ctx: &Context) {
+        match self.document.path().map(Path::to_owned) {
+            Some(path) => _ = self.save_to(ctx, &path),
+            None => self.ask(ctx, FileFor::SaveAs),
+        }
+    }
+
+    /// Writes the file; true when it was written.
+    pub(super) fn save_to(&mut self, ctx: &Context, path: &Path) -> bool {
+        let moved = self.document.path() != Some(path);
+        if let Err(e) = self.document.save(path) {
+            self.notices
+                .fail(format!("{} cannot be written: {e}. Nothing is lost: save elsewhere", path.display()));
+            return false;
+        }
+        self.notices.say(format!("Saved {}", path.display()));
+        self.settings.opened(path);
+        self.write_settings();
+        if moved {
+            self.reclaim();
+            self.start_evaluator(ctx);
+        }
+        true
+    }
+
+    /// A file was chosen.
+    pub(super) fn answered(&mut self, ctx: &Context, purpose: FileFor, path: PathBuf) {
+        match purpose {
+            FileFor::Open => self.open(ctx, &path),
+            FileFor::SaveAs => {
+                let path = if path.extension().is_none() { path.with_extension("graph") } else { path };
+                self.save_to(ctx, &path);
+            }
+            FileFor::Build => self.build.folder = path.to_string_lossy().into_owned(),
+            FileFor::Parameter(ids, name) => {
+                let beside = self.document.path().and_then(Path::parent).and_then(|f| f.canonicalize().ok());
+                let inside = beside.as_ref().and_then(|f| path.strip_prefix(f).ok());
+                let text = inside.unwrap_or(&path).to_string_lossy().into_owned();
+                self.edit(&format!("Set {name}"), |g| {
+                    ids.iter().try_for_each(|id| g.set(*id, &name, Json::from(text.clone())))
+                });
+                if inside.is_none() {
+                    self.notices.fail(
+                        "This file lies outside the graph's folder. Put it there, or add its folder to \
+                         allowed_folders in your configuration, so that graphs of others cannot read your files",
+                    );
+                }
+            }
+        }
+    }
+}
+
+fn chosen_of(new: crate::graph::Grafted) -> Chosen {
+    Chosen { nodes: new.nodes.into_iter().collect(), notes: new.notes.into_iter().collect() }
+}

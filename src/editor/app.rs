@@ -1,0 +1,507 @@
+//! The window: what it holds, and one frame of it.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use eframe::egui::{self, Context, Ui};
+use eframe::wgpu::TextureFormat;
+
+use super::ask::{Answer, Asker, Question, system};
+use super::build::BuildDialog;
+use super::canvas::{Canvas, Desk};
+use super::command::Command;
+use super::dialogs::Dialog;
+use super::document::Document;
+use super::evaluator::{Evaluator, Order};
+use super::notices::Notices;
+use super::panels::Tab;
+use super::recovery::{Claim, Claimed, Keeper, claim};
+use super::settings::Settings;
+use super::shade::{Look, Mode};
+use super::views::map::MapView;
+use super::views::relief::ReliefView;
+use super::{actions, theme};
+use crate::engine::{Files, Options, kept_folders};
+use crate::graph::{Graph, NodeId, Source};
+use crate::nodes::Registry;
+
+/// Estimated seconds of an evaluation that opening a graph starts without asking.
+const PATIENCE: f64 = 60.0;
+/// How often the file is looked at for changes of others.
+const LOOK: Duration = Duration::from_secs(2);
+
+/// How an editor starts.
+pub struct Setup {
+    /// The graph to open.
+    pub path: Option<PathBuf>,
+    /// The user's own folder, for settings and unsaved work; without one neither is kept.
+    pub home: Option<PathBuf>,
+    /// How files are asked for.
+    pub asker: Asker,
+    /// What the engine may use.
+    pub options: Options,
+    /// The format of the window's pixels; without one there is no relief view.
+    pub format: Option<TextureFormat>,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self { path: None, home: None, asker: Box::new(system), options: Options::default(), format: None }
+    }
+}
+
+/// A file that a parameter waits for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum FileFor {
+    Open,
+    SaveAs,
+    /// A parameter of nodes.
+    Parameter(Vec<NodeId>, String),
+    /// The folder of the build.
+    Build,
+}
+
+/// The editor.
+pub struct Editor {
+    pub(super) registry: Registry,
+    pub(super) document: Document,
+    pub(super) canvas: Canvas,
+    pub(super) map: MapView,
+    pub(super) relief: ReliefView,
+    pub(super) view: Page,
+    pub(super) notices: Notices,
+    pub(super) settings: Settings,
+    pub(super) dialog: Dialog,
+    pub(super) build: BuildDialog,
+    pub(super) tab: Tab,
+    pub(super) pinned: Option<NodeId>,
+    /// Of the shown node, the output that is shown; its first where it has none of the name.
+    pub(super) output: Option<&'static str>,
+    pub(super) asking: Option<(FileFor, Answer)>,
+    pub(super) asker: Asker,
+    pub(super) evaluator: Option<Evaluator>,
+    /// The state whose estimate was over the limit and was accepted.
+    pub(super) accepted: Option<u64>,
+    ordered: Option<Ordered>,
+    home: Option<PathBuf>,
+    keeper: Option<Keeper>,
+    claim: Option<Claim>,
+    looked: Instant,
+    map_pixels: egui::Vec2,
+    title: String,
+    options: Options,
+    /// What a window that is being closed waits for.
+    pub(super) closing: bool,
+}
+
+/// The last order, to see whether another is due.
+#[derive(Clone, Debug, PartialEq)]
+struct Ordered {
+    state: u64,
+    target: Option<Source>,
+    size: u32,
+    look: Look,
+    lit: bool,
+    accepted: Option<u64>,
+}
+
+/// Which view is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Page {
+    Map,
+    Relief,
+}
+
+impl Editor {
+    /// Starts with a graph or an empty canvas.
+    pub fn new(ctx: &Context, setup: Setup) -> Self {
+        theme::apply(ctx);
+        let registry = Registry::standard();
+        let settings = Settings::read(setup.home.as_deref());
+        let mut notices = Notices::default();
+        let keeper = setup.home.as_deref().map(Keeper::start).transpose().unwrap_or_else(|e| {
+            notices.fail(format!("Unsaved work cannot be kept: {e}. Save often"));
+            None
+        });
+        let orphans = keeper.as_ref().map(Keeper::orphans).unwrap_or_default();
+        let dialog = match (orphans.is_empty(), settings.welcomed || setup.path.is_some()) {
+            (false, _) => Dialog::Recover(orphans),
+            (true, false) => Dialog::Welcome,
+            (true, true) => Dialog::None,
+        };
+        let mut canvas = Canvas::default();
+        canvas.snap = settings.snap;
+        let map = MapView::new(settings.look, settings.charts);
+        let mut editor = Self {
+            document: Document::untitled(&registry),
+            registry,
+            canvas,
+            map,
+            relief: ReliefView::new(setup.format),
+            view: Page::Map,
+            notices,
+            settings,
+            dialog,
+            build: BuildDialog::default(),
+            tab: Tab::Node,
+            pinned: None,
+            output: None,
+            asking: None,
+            asker: setup.asker,
+            evaluator: None,
+            accepted: None,
+            ordered: None,
+            home: setup.home,
+            keeper,
+            claim: None,
+            looked: Instant::now(),
+            map_pixels: egui::Vec2::splat(512.0),
+            title: String::new(),
+            options: setup.options,
+            closing: false,
+        };
+        match setup.path {
+            Some(path) => editor.open(ctx, &path),
+            None => editor.start_evaluator(ctx),
+        }
+        editor.set_theme(ctx);
+        editor
+    }
+
+    /// The document on the desk.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// Whether something is being evaluated.
+    pub fn is_busy(&self) -> bool {
+        let board = self.evaluator.as_ref().map(|e| e.board());
+        board.is_some_and(|b| b.busy) || self.ordered != Some(self.wish())
+    }
+
+    /// The lowest and highest value of the field that is shown, once it is exact.
+    pub fn shown_range(&self) -> Option<(f32, f32)> {
+        let board = self.evaluator.as_ref()?.board();
+        match &board.shown.as_ref().filter(|s| !s.draft)?.value {
+            crate::value::Value::Field(field) => field.range(),
+            _ => None,
+        }
+    }
+
+    /// How many nodes have a picture.
+    pub fn thumbnails(&self) -> usize {
+        self.evaluator.as_ref().map_or(0, |e| e.board().thumbnails.len())
+    }
+
+    pub(super) fn set_theme(&self, ctx: &Context) {
+        ctx.set_theme(if self.settings.dark { egui::Theme::Dark } else { egui::Theme::Light });
+    }
+
+    /// Opens a file in place of the document; what is on the desk is given up.
+    pub(super) fn open(&mut self, ctx: &Context, path: &Path) {
+        match Document::open(path, &self.registry) {
+            Ok(document) => {
+                self.settings.opened(path);
+                self.adopt(ctx, document);
+            }
+            Err(e) => {
+                self.notices.fail(format!("{} cannot be opened: {e}", path.display()));
+                if self.evaluator.is_none() {
+                    self.start_evaluator(ctx);
+                }
+            }
+        }
+        self.write_settings();
+    }
+
+    /// Puts a document on the desk.
+    pub(super) fn adopt(&mut self, ctx: &Context, document: Document) {
+        self.document = document;
+        self.canvas.chosen = Default::default();
+        self.canvas.show_all();
+        self.map.show_all();
+        (self.pinned, self.output, self.accepted) = (None, None, None);
+        self.reclaim();
+        self.choose_result();
+        self.start_evaluator(ctx);
+    }
+
+    /// Shows what the first output of the graph reads.
+    fn choose_result(&mut self) {
+        let graph = self.document.graph();
+        let first = graph.outputs().find_map(|(name, _)| graph.output_source(name).ok());
+        self.pinned = first.map(|s| s.node);
+    }
+
+    /// Claims the file of the document, and warns when another editor has it.
+    pub(super) fn reclaim(&mut self) {
+        self.claim = None;
+        let (Some(home), Some(path)) = (&self.home, self.document.path()) else { return };
+        match claim(home, path) {
+            Claimed::Ours(claim) => self.claim = Some(claim),
+            Claimed::Taken => self.notices.fail(
+                "Another editor has this file open. Save under another name, or close it there, so that neither \
+                 overwrites the other",
+            ),
+            Claimed::Unknown => (),
+        }
+    }
+
+    /// Starts the engine over the folder of the document.
+    pub(super) fn start_evaluator(&mut self, ctx: &Context) {
+        let mut files = Files::default();
+        let folder = self.document.path().map(|p| p.parent().unwrap_or(Path::new(".")).to_owned());
+        for folder in folder.into_iter().chain(kept_folders()) {
+            if let Err(e) = files.allow_folder(&folder) {
+                self.notices.fail(format!("{} cannot be read: {e}", folder.display()));
+            }
+        }
+        let repaint = ctx.clone();
+        let started = Evaluator::start(&self.options, files, PATIENCE, move || repaint.request_repaint());
+        self.ordered = None;
+        match started {
+            Ok(evaluator) => self.evaluator = Some(evaluator),
+            Err(e) => self.notices.fail(format!("Nothing can be evaluated: {e}")),
+        }
+    }
+
+    /// The node that the view shows: the pinned one, else the only chosen one.
+    pub(super) fn shown_node(&self) -> Option<NodeId> {
+        let graph = self.document.graph();
+        let chosen = &self.canvas.chosen.nodes;
+        let only = chosen.first().filter(|_| chosen.len() == 1).copied();
+        self.pinned.filter(|id| graph.get(*id).is_some()).or(only)
+    }
+
+    /// The output that the view shows.
+    pub(super) fn target(&self) -> Option<Source> {
+        let node = self.shown_node()?;
+        let outputs = self.document.graph().get(node)?.kind()?.outputs;
+        let named = self.output.and_then(|name| outputs.iter().find(|p| p.name == name));
+        Some(Source { node, port: named.or(outputs.first())?.name })
+    }
+
+    fn wish(&self) -> Ordered {
+        Ordered {
+            state: self.document.state(),
+            target: self.target(),
+            size: self.map.wanted(self.map_pixels),
+            look: self.map.look,
+            lit: self.view == Page::Relief && self.map.look.mode == Mode::Relief && !self.map.look.contours,
+            accepted: self.accepted,
+        }
+    }
+
+    /// Orders what the window would like to see, when that has changed.
+    fn order(&mut self) {
+        let wish = self.wish();
+        if self.ordered.as_ref() == Some(&wish) {
+            return;
+        }
+        let Some(evaluator) = &self.evaluator else { return };
+        evaluator.order(Order {
+            graph: self.document.shared(),
+            state: wish.state,
+            target: wish.target,
+            size: wish.size,
+            look: wish.look,
+            lit: wish.lit,
+            in_sight: self.canvas.in_sight.clone(),
+            whatever_it_takes: self.accepted == Some(wish.state),
+        });
+        self.ordered = Some(wish);
+    }
+
+    /// One frame of the window.
+    pub fn frame(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.answer(&ctx);
+        self.look_at_disk(&ctx);
+        self.keep(&ctx);
+        if !ctx.input(|i| i.pointer.any_down()) && !ctx.egui_wants_keyboard_input() {
+            self.document.rest();
+        }
+        if let Some(command) = self.key(&ctx) {
+            self.perform(&ctx, command);
+        }
+        self.menu_bar(ui);
+        self.status_bar(ui);
+        self.side_panel(ui);
+        self.views(ui);
+        self.center(ui);
+        self.dialogs(&ctx);
+        self.notices.show(&ctx);
+        self.order();
+        self.set_title(&ctx);
+        self.close(&ctx);
+    }
+
+    /// The command whose key was pressed, or the clipboard's.
+    fn key(&mut self, ctx: &Context) -> Option<Command> {
+        if self.dialog.is_modal() || self.canvas.is_busy() {
+            return None;
+        }
+        let pasted = ctx.input(|i| {
+            i.events.iter().find_map(|e| match e {
+                egui::Event::Paste(text) => Some(text.clone()),
+                _ => None,
+            })
+        });
+        if let Some(text) = pasted.filter(|_| !ctx.egui_wants_keyboard_input()) {
+            self.paste(&text);
+        }
+        Command::pressed(ctx)
+    }
+
+    /// The canvas, in the middle.
+    fn center(&mut self, ui: &mut Ui) {
+        let wishes = egui::CentralPanel::no_frame().show(ui, |ui| {
+            let empty = Default::default();
+            let guard = self.evaluator.as_ref().map(|e| e.board());
+            let board = guard.as_deref().unwrap_or(&empty);
+            let pinned = self.pinned;
+            let mut desk = Desk { document: &mut self.document, board, notices: &mut self.notices, pinned };
+            self.canvas.show(ui, &mut desk)
+        });
+        let wishes = wishes.inner;
+        if let Some(id) = wishes.pin {
+            self.pinned = if self.pinned == Some(id) { None } else { Some(id) };
+        }
+        if let Some(command) = wishes.command {
+            let ctx = ui.ctx().clone();
+            self.perform(&ctx, command);
+        }
+    }
+
+    /// The flat view, above the canvas.
+    fn views(&mut self, ui: &mut Ui) {
+        let height = ui.available_height();
+        let panel = egui::Panel::top("views").resizable(true).default_size(height * 0.55);
+        panel.size_range(120.0..=(height - 120.0).max(121.0)).show(ui, |ui| {
+            self.view_bar(ui);
+            let guard = self.evaluator.as_ref().map(|e| e.board());
+            let Some(board) = guard.as_deref() else {
+                ui.weak("Nothing can be evaluated.");
+                return;
+            };
+            if self.map.charts {
+                egui::Panel::bottom("charts").resizable(true).default_size(120.0).show(ui, |ui| {
+                    self.map.charts(ui, board);
+                });
+            }
+            self.map_pixels = ui.available_size() * ui.pixels_per_point();
+            let terrain = self.document.graph().terrain();
+            match self.view {
+                Page::Map => self.map.show(ui, board, terrain),
+                Page::Relief => self.relief.show(ui, board, terrain.sea_level),
+            }
+        });
+    }
+
+    /// Asks for a file; the answer comes in a later frame.
+    pub(super) fn ask(&mut self, ctx: &Context, purpose: FileFor) {
+        let question = match &purpose {
+            FileFor::Open => Question::Open,
+            FileFor::SaveAs => Question::Save(format!("{}.graph", self.document.name())),
+            FileFor::Parameter(..) => Question::Source,
+            FileFor::Build => Question::Folder,
+        };
+        let folder = self.document.path().and_then(Path::parent).map(Path::to_owned);
+        let answer = (self.asker)(question, folder.as_deref(), ctx);
+        self.asking = Some((purpose, answer));
+    }
+
+    fn answer(&mut self, ctx: &Context) {
+        let Some((purpose, answer)) = self.asking.take() else { return };
+        match answer.take() {
+            None => self.asking = Some((purpose, answer)),
+            Some(None) => (),
+            Some(Some(path)) => self.answered(ctx, purpose, path),
+        }
+    }
+
+    /// Looks whether somebody else has changed the file.
+    fn look_at_disk(&mut self, ctx: &Context) {
+        if self.looked.elapsed() < LOOK || self.dialog.is_modal() {
+            return;
+        }
+        self.looked = Instant::now();
+        let Some(bytes) = self.document.foreign_change() else { return };
+        if self.document.is_unsaved() {
+            self.dialog = Dialog::Changed(bytes);
+        } else {
+            self.reload(bytes);
+        }
+        ctx.request_repaint();
+    }
+
+    pub(super) fn reload(&mut self, bytes: Vec<u8>) {
+        match self.document.reload(bytes) {
+            Ok(()) => {
+                // The nodes of the new graph are others, whatever their names.
+                self.canvas.chosen = Default::default();
+                self.choose_result();
+                self.notices.say("The file was changed by another program and has been read again");
+            }
+            Err(e) => {
+                self.notices
+                    .fail(format!("The file was changed by another program and is no graph now: {e}"));
+            }
+        }
+    }
+
+    /// Keeps unsaved work.
+    fn keep(&mut self, ctx: &Context) {
+        let Some(keeper) = &mut self.keeper else { return };
+        match keeper.keep(&self.document) {
+            Ok(Some(wait)) => ctx.request_repaint_after(wait),
+            Ok(None) => (),
+            Err(e) => self.notices.fail(format!("Unsaved work cannot be kept: {e}. Save now")),
+        }
+        // Without a pointer that moves, the file would not be looked at.
+        if self.document.path().is_some() {
+            ctx.request_repaint_after(LOOK);
+        }
+    }
+
+    pub(super) fn write_settings(&mut self) {
+        self.settings.snap = self.canvas.snap;
+        (self.settings.look, self.settings.charts) = (self.map.look, self.map.charts);
+        if let Some(home) = &self.home
+            && let Err(e) = self.settings.write(home)
+        {
+            self.notices.fail(format!("The settings cannot be written: {e}"));
+        }
+    }
+
+    fn set_title(&mut self, ctx: &Context) {
+        let mark = if self.document.is_unsaved() { "● " } else { "" };
+        let title = format!("{mark}{} — Orograph", self.document.name());
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    /// Asks before a window with unsaved work closes.
+    fn close(&mut self, ctx: &Context) {
+        let asked = ctx.input(|i| i.viewport().close_requested());
+        if asked && self.document.is_unsaved() && !self.closing {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.dialog = Dialog::Unsaved(actions::After::Quit);
+        } else if asked {
+            self.write_settings();
+        }
+    }
+
+    /// The graph, for those who only look.
+    pub(super) fn graph(&self) -> &Graph {
+        self.document.graph()
+    }
+}
+
+impl eframe::App for Editor {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.frame(ui);
+    }
+}

@@ -1,0 +1,230 @@
+//! How gestures end: what lies under the pointer when a hand lets go.
+
+use std::collections::BTreeMap;
+
+use eframe::egui::{Color32, Stroke, StrokeKind, Ui, vec2};
+
+use super::camera::View;
+use super::gesture::Gesture;
+use super::layout::Layout;
+use super::search::Search;
+use super::wire::Course;
+use super::{Canvas, Desk, paint, wires};
+use crate::editor::ops::{self, End};
+use crate::editor::theme;
+use crate::graph::{Graph, NodeId, Problem};
+
+/// How near a port the pointer counts as on it, in points of the screen.
+const NEAR: f32 = 16.0;
+
+/// Where a wire would go if it were let go.
+struct Landing {
+    /// The output's node and port, then the input's.
+    wire: (NodeId, &'static str, NodeId, &'static str),
+    fits: Result<(), Problem>,
+}
+
+impl Canvas {
+    /// Draws what a hand does over everything else.
+    pub(super) fn overlay(
+        &self,
+        ui: &Ui,
+        view: &View,
+        layouts: &BTreeMap<NodeId, Layout>,
+        courses: &[Course],
+        desk: &Desk<'_>,
+    ) {
+        match &self.gesture {
+            Gesture::Box { from, .. } => {
+                let area = view.rect(eframe::egui::Rect::from_two_pos(*from, self.pointer));
+                ui.painter().rect_filled(area, 0.0, theme::CHOSEN.gamma_multiply(0.08));
+                ui.painter().rect_stroke(area, 0.0, Stroke::new(1.0, theme::CHOSEN), StrokeKind::Inside);
+            }
+            Gesture::Wire { end, .. } => self.wire_in_hand(ui, view, layouts, *end, desk),
+            Gesture::Move { .. } => {
+                if let Some(course) = self.wire_below(view, courses, desk.graph()) {
+                    let stroke = Stroke::new(4.0, theme::CHOSEN);
+                    ui.painter().extend(super::wire::shapes(&course.points, view, stroke));
+                }
+            }
+            _ => (),
+        }
+        if let Some(search) = &self.search
+            && let Some(end) = search.end
+            && let Some((from, forward)) = port_of(end, layouts)
+        {
+            let points = if forward { [from, search.at] } else { [search.at, from] };
+            let stroke = Stroke::new(2.0, Color32::from_white_alpha(120));
+            ui.painter().extend(super::wire::shapes(&points, view, stroke));
+        }
+    }
+
+    fn wire_in_hand(
+        &self,
+        ui: &Ui,
+        view: &View,
+        layouts: &BTreeMap<NodeId, Layout>,
+        end: End,
+        desk: &Desk<'_>,
+    ) {
+        let Some((from, forward)) = port_of(end, layouts) else { return };
+        let color = end.wire(desk.graph()).map_or(Color32::GRAY, theme::wire_color);
+        let landing = self.landing(view, layouts, end, desk.graph());
+        match landing.map(|l| l.fits) {
+            Some(Err(problem)) => {
+                self.pulled(ui, view, from, forward, theme::ERROR);
+                let at = view.pos(self.pointer) + vec2(16.0, 16.0);
+                paint::bubble(ui, at, &problem.to_string(), theme::ERROR);
+            }
+            Some(Ok(())) => self.pulled(ui, view, from, forward, theme::CHOSEN),
+            None => self.pulled(ui, view, from, forward, color),
+        }
+    }
+
+    /// The port or node under the pointer that a wire would land on.
+    fn landing(
+        &self,
+        view: &View,
+        layouts: &BTreeMap<NodeId, Layout>,
+        end: End,
+        graph: &Graph,
+    ) -> Option<Landing> {
+        let reach = NEAR / view.zoom();
+        let pins = layouts.iter().flat_map(|(id, l)| {
+            let pins = if matches!(end, End::From(_)) { &l.inputs } else { &l.outputs };
+            pins.iter().map(move |(port, at)| (at.distance(self.pointer), *id, port.name))
+        });
+        let near = pins.filter(|(away, ..)| *away < reach).min_by(|a, b| a.0.total_cmp(&b.0));
+        let (id, port) = match near {
+            Some((_, id, port)) => (id, port),
+            None => self.body(layouts, end, graph)?,
+        };
+        let wire = match end {
+            End::From(source) => (source.node, source.port, id, port),
+            End::To(node, input) => (id, port, node, input),
+        };
+        Some(Landing { wire, fits: graph.can_connect(wire.0, wire.1, wire.2, wire.3) })
+    }
+
+    /// The node whose body the pointer is on, with the port that fits best: a free one before one in use.
+    fn body(
+        &self,
+        layouts: &BTreeMap<NodeId, Layout>,
+        end: End,
+        graph: &Graph,
+    ) -> Option<(NodeId, &'static str)> {
+        let (&id, _) = layouts.iter().rev().find(|(_, l)| l.rect.contains(self.pointer))?;
+        let own = match end {
+            End::From(source) => source.node,
+            End::To(node, _) => node,
+        };
+        let kind = graph.get(id).filter(|_| id != own)?.kind()?;
+        let wire = end.wire(graph)?;
+        let free = |p: &&'static crate::ports::Port| graph.source(id, p.name).is_none();
+        let port = match end {
+            End::From(_) => {
+                let fitting = || kind.inputs().filter(|p| p.wire == wire);
+                fitting().find(free).or_else(|| fitting().next()).or_else(|| kind.inputs().next())
+            }
+            End::To(..) => kind.outputs.iter().find(|p| p.wire == wire).or(kind.outputs.first()),
+        };
+        Some((id, port?.name))
+    }
+
+    /// The wire that a single node would be put into where it is now.
+    fn wire_below<'a>(&self, view: &View, courses: &'a [Course], graph: &Graph) -> Option<&'a Course> {
+        let Gesture::Move { nodes, .. } = &self.gesture else { return None };
+        let (Some(&id), 1) = (nodes.iter().next(), nodes.len()) else { return None };
+        let lonely = graph.inputs(id).next().is_none() && graph.consumers(id).next().is_none();
+        let (course, _) = wires::under(courses, view, self.pointer).filter(|_| lonely)?;
+        ops::between(graph, id, course.source, course.to).map(|_| course)
+    }
+
+    /// Ends the gesture when the hand lets go.
+    pub(super) fn finish(
+        &mut self,
+        ui: &Ui,
+        view: &View,
+        layouts: &BTreeMap<NodeId, Layout>,
+        courses: &[Course],
+        desk: &mut Desk<'_>,
+    ) {
+        let (down, escape) =
+            ui.input(|i| (i.pointer.primary_down(), i.key_pressed(eframe::egui::Key::Escape)));
+        if escape {
+            self.gesture = Gesture::None;
+        }
+        if down {
+            return;
+        }
+        let below = self.wire_below(view, courses, desk.graph()).cloned();
+        match std::mem::take(&mut self.gesture) {
+            Gesture::None | Gesture::Box { .. } => (),
+            Gesture::Move { by, nodes, notes, .. } => {
+                let by = [f64::from(by.x), f64::from(by.y)];
+                let label =
+                    if nodes.len() > 1 { format!("Move {} nodes", nodes.len()) } else { "Move".into() };
+                desk.edit(&label, |g| {
+                    ops::shift(g, &nodes, &notes, by)?;
+                    match (below, nodes.first()) {
+                        (Some(c), Some(&id)) => ops::insert(g, id, c.source, c.to, c.input),
+                        _ => Ok(()),
+                    }
+                });
+            }
+            Gesture::Wire { end, taken } => {
+                let landing = self.landing(view, layouts, end, desk.graph());
+                self.land(view, end, taken, landing, desk);
+            }
+            Gesture::Bend { node, input, index } => {
+                let at = self.snapped(self.pointer);
+                let mut bends = desk.graph().bends(node, input).to_vec();
+                if let Some(bend) = bends.get_mut(index) {
+                    *bend = [f64::from(at.x), f64::from(at.y)];
+                }
+                desk.edit("Move bend", |g| g.set_bends(node, input, bends));
+            }
+            Gesture::Resize { name, size } => {
+                let Some(note) = desk.graph().note(&name).cloned() else { return };
+                let size = [f64::from(size.x), f64::from(size.y)];
+                desk.edit("Resize note", |g| g.change_note(&name, crate::graph::Note { size, ..note }));
+            }
+        }
+    }
+
+    fn land(
+        &mut self,
+        view: &View,
+        end: End,
+        taken: Option<(NodeId, &'static str)>,
+        landing: Option<Landing>,
+        desk: &mut Desk<'_>,
+    ) {
+        match landing {
+            Some(Landing { wire: (from, output, to, input), fits: Ok(()) }) => {
+                if taken == Some((to, input)) {
+                    return;
+                }
+                desk.edit("Connect", |g| {
+                    if let Some((node, old)) = taken {
+                        g.disconnect(node, old)?;
+                    }
+                    g.connect(from, output, to, input)
+                });
+            }
+            Some(Landing { fits: Err(problem), .. }) => desk.notices.problem(&problem),
+            None => match taken {
+                Some((node, input)) => _ = desk.edit("Cut wire", |g| g.disconnect(node, input)),
+                None => self.search = Some(Search::new(view.pos(self.pointer), self.pointer, Some(end))),
+            },
+        }
+    }
+}
+
+/// Where the port at the fixed end of a wire is, and whether the wire leaves it forwards.
+fn port_of(end: End, layouts: &BTreeMap<NodeId, Layout>) -> Option<(eframe::egui::Pos2, bool)> {
+    match end {
+        End::From(source) => Some((layouts.get(&source.node)?.output(source.port)?, true)),
+        End::To(node, input) => Some((layouts.get(&node)?.input(input)?, false)),
+    }
+}

@@ -1,0 +1,62 @@
+//! What a hand is doing between pressing and letting go.
+
+use std::collections::BTreeSet;
+
+use eframe::egui::{Pos2, Vec2, vec2};
+
+use super::{Chosen, GRID};
+use crate::editor::ops::End;
+use crate::graph::{Graph, NodeId};
+
+/// A gesture; the document changes when it ends.
+#[derive(Clone, Debug, Default)]
+pub(super) enum Gesture {
+    /// Nothing.
+    #[default]
+    None,
+    /// Chooses what a box touches, beside what was chosen before.
+    Box { from: Pos2, before: Chosen },
+    /// Moves what is chosen; the grabbed corner snaps.
+    Move { from: Pos2, corner: Pos2, by: Vec2, nodes: BTreeSet<NodeId>, notes: BTreeSet<String> },
+    /// Pulls a wire; perhaps one that was taken from an input.
+    Wire { end: End, taken: Option<(NodeId, &'static str)> },
+    /// Moves a bend of a wire.
+    Bend { node: NodeId, input: &'static str, index: usize },
+    /// Moves the lower right corner of a note.
+    Resize { name: String, size: Vec2 },
+}
+
+impl Gesture {
+    /// Follows the pointer.
+    pub(super) fn follow(&mut self, pointer: Pos2, snap: bool, graph: &Graph) {
+        let snapped = |at: Pos2| if snap { (at / GRID).round() * GRID } else { at };
+        match self {
+            Self::Move { from, corner, by, .. } => {
+                let wanted = *corner + (pointer - *from);
+                *by = snapped(wanted) - *corner;
+            }
+            Self::Resize { name, size } => {
+                let Some(note) = graph.note(name) else { return };
+                let corner = super::layout::place(note.at);
+                *size = (snapped(pointer) - corner).max(vec2(80.0, 40.0));
+            }
+            _ => (),
+        }
+    }
+
+    /// How far things are being moved.
+    pub(super) fn shift(&self) -> Vec2 {
+        match self {
+            Self::Move { by, .. } => *by,
+            _ => Vec2::ZERO,
+        }
+    }
+
+    pub(super) fn moves(&self, id: NodeId) -> bool {
+        matches!(self, Self::Move { nodes, .. } if nodes.contains(&id))
+    }
+
+    pub(super) fn moves_note(&self, name: &str) -> bool {
+        matches!(self, Self::Move { notes, .. } if notes.contains(name))
+    }
+}

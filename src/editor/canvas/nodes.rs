@@ -1,0 +1,163 @@
+//! Nodes under the pointer: choosing, moving, pulling wires from their ports.
+
+use std::collections::BTreeMap;
+
+use eframe::egui::{self, Id, PointerButton, Pos2, Rect, Response, Sense, Ui, vec2};
+
+use super::camera::View;
+use super::gesture::Gesture;
+use super::layout::Layout;
+use super::{Canvas, Chosen, Desk, Wishes, menu, paint};
+use crate::editor::ops::End;
+use crate::graph::{NodeId, Source};
+use crate::ports::Port;
+
+/// Below this enlargement ports cannot be hit and are not offered.
+const PORTS: f32 = 0.3;
+
+impl Canvas {
+    pub(super) fn nodes(
+        &mut self,
+        ui: &mut Ui,
+        view: &View,
+        layouts: &BTreeMap<NodeId, Layout>,
+        desk: &mut Desk<'_>,
+        wishes: &mut Wishes,
+    ) {
+        self.pictures(ui, desk);
+        let seen = view.seen();
+        self.in_sight.clear();
+        for (&id, layout) in layouts.iter().filter(|(_, l)| seen.intersects(l.rect)) {
+            self.in_sight.push(id);
+            let response = self.node(ui, view, id, layout, desk, wishes);
+            let look = paint::NodeLook {
+                chosen: self.chosen.nodes.contains(&id),
+                hovered: response.hovered(),
+                pinned: desk.pinned == Some(id),
+                picture: self.pictures.get(&id).map(|(_, t)| t.id()),
+            };
+            paint::node(ui, view, id, layout, &look, desk);
+            if view.zoom() >= PORTS {
+                self.ports(ui, view, id, layout, desk);
+            }
+        }
+    }
+
+    /// Keeps a texture for each thumbnail.
+    fn pictures(&mut self, ui: &Ui, desk: &Desk<'_>) {
+        let thumbnails = &desk.board.thumbnails;
+        self.pictures.retain(|id, _| thumbnails.contains_key(id));
+        for (id, seen) in thumbnails {
+            if self.pictures.get(id).is_none_or(|(key, _)| *key != seen.key) {
+                let image = super::super::image_of(&seen.picture);
+                let name = format!("thumbnail {}", id.index());
+                let texture = ui.ctx().load_texture(name, image, egui::TextureOptions::LINEAR);
+                self.pictures.insert(*id, (seen.key, texture));
+            }
+        }
+    }
+
+    fn node(
+        &mut self,
+        ui: &Ui,
+        view: &View,
+        id: NodeId,
+        layout: &Layout,
+        desk: &mut Desk<'_>,
+        wishes: &mut Wishes,
+    ) -> Response {
+        let response = ui.interact(view.rect(layout.rect), node_id(id), Sense::click_and_drag());
+        let node = desk.graph().node(id);
+        let label = format!("node {}", node.name);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label));
+        let adds = ui.input(|i| i.modifiers.shift || i.modifiers.command);
+        if response.clicked() {
+            self.choose(id, adds);
+        }
+        if response.secondary_clicked() && !self.chosen.nodes.contains(&id) {
+            self.chosen = Chosen::only(id);
+        }
+        if response.double_clicked() {
+            wishes.pin = Some(id);
+        }
+        if response.drag_started_by(PointerButton::Primary) {
+            if !self.chosen.nodes.contains(&id) {
+                self.choose(id, adds);
+            }
+            let from = ui.input(|i| i.pointer.press_origin()).map_or(self.pointer, |p| view.world(p));
+            self.grab(from, layout.rect.min);
+        }
+        response.context_menu(|ui| wishes.command = menu::node(ui).or(wishes.command.take()));
+        response
+    }
+
+    fn choose(&mut self, id: NodeId, adds: bool) {
+        if !adds {
+            self.chosen = Chosen::only(id);
+        } else if !self.chosen.nodes.remove(&id) {
+            self.chosen.nodes.insert(id);
+        }
+    }
+
+    /// Starts to move what is chosen.
+    pub(super) fn grab(&mut self, from: Pos2, corner: Pos2) {
+        let Chosen { nodes, notes } = self.chosen.clone();
+        self.gesture = Gesture::Move { from, corner, by: vec2(0.0, 0.0), nodes, notes };
+    }
+
+    fn ports(&mut self, ui: &Ui, view: &View, id: NodeId, layout: &Layout, desk: &Desk<'_>) {
+        let sides = [(&layout.inputs, "input"), (&layout.outputs, "output")];
+        for (pins, side) in sides {
+            for (port, at) in pins {
+                if let Some(started) = self.port(ui, view, id, port, *at, side, desk) {
+                    self.gesture = started;
+                }
+            }
+        }
+    }
+
+    /// A port; the gesture of pulling a wire from it, when one begins.
+    #[allow(clippy::too_many_arguments, reason = "one caller; a struct would only rename them")]
+    fn port(
+        &self,
+        ui: &Ui,
+        view: &View,
+        id: NodeId,
+        port: &'static Port,
+        at: Pos2,
+        side: &'static str,
+        desk: &Desk<'_>,
+    ) -> Option<Gesture> {
+        let size = (15.0 * view.zoom()).clamp(9.0, 26.0);
+        let rect = Rect::from_center_size(view.pos(at), vec2(size, size));
+        let response = ui.interact(rect, port_id(id, side, port.name), Sense::click_and_drag());
+        let graph = desk.graph();
+        let label = format!("{side} {}.{}", graph.node(id).name, port.name);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label));
+        let started = response.drag_started_by(PointerButton::Primary);
+        if !started && matches!(self.gesture, Gesture::None) {
+            response.on_hover_ui(|ui| {
+                ui.strong(format!("{} · {}", port.name, port.wire.name()));
+                ui.label(port.doc);
+            });
+        }
+        if !started {
+            return None;
+        }
+        let wire = |end, taken| Some(Gesture::Wire { end, taken });
+        match (side, graph.source(id, port.name)) {
+            ("output", _) => wire(End::From(Source { node: id, port: port.name }), None),
+            // A wire that is there is taken by its end.
+            (_, Some(source)) => wire(End::From(source), Some((id, port.name))),
+            (_, None) => wire(End::To(id, port.name), None),
+        }
+    }
+}
+
+pub(super) fn node_id(id: NodeId) -> Id {
+    Id::new(("canvas node", id.index()))
+}
+
+fn port_id(id: NodeId, side: &str, port: &str) -> Id {
+    Id::new(("canvas port", id.index(), side, port))
+}

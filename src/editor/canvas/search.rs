@@ -1,0 +1,144 @@
+//! The search for kinds: opened anywhere, or by a wire that was dropped on empty space.
+
+use eframe::egui::{self, Key, Pos2, Rect, RichText, Ui, vec2};
+
+use crate::editor::fuzzy;
+use crate::editor::ops::End;
+use crate::graph::Graph;
+use crate::node::Kind;
+
+/// Kinds shown at once, at most.
+const SHOWN: usize = 200;
+
+/// An open search.
+#[derive(Clone, Debug)]
+pub(crate) struct Search {
+    /// Where on the screen it opened, and where on the canvas the new node shall be.
+    pub(crate) screen: Pos2,
+    pub(crate) at: Pos2,
+    /// The wire that the new node shall be joined to.
+    pub(crate) end: Option<End>,
+    query: String,
+    chosen: usize,
+    fresh: bool,
+}
+
+/// What came of a frame of searching.
+pub(crate) enum Found {
+    Nothing,
+    Closed,
+    Kind(&'static Kind),
+}
+
+impl Search {
+    pub(crate) fn new(screen: Pos2, at: Pos2, end: Option<End>) -> Self {
+        Self { screen, at, end, query: String::new(), chosen: 0, fresh: true }
+    }
+
+    /// The kinds that fit the wire and the letters, best first.
+    pub(crate) fn hits(&self, graph: &Graph) -> Vec<&'static Kind> {
+        let fits = |k: &&'static Kind| self.end.is_none_or(|end| end.port_of(graph, k).is_some());
+        let query = self.query.trim();
+        let words = |k: &'static Kind| k.meta.keywords.iter().copied().chain([k.family]);
+        let score = |k: &'static Kind| fuzzy::best(query, k.id, words(k));
+        let kinds = graph.registry().iter().filter(fits);
+        let mut found: Vec<_> = kinds.filter_map(|k| Some((score(k)?, k))).collect();
+        if query.is_empty() {
+            found.sort_by_key(|(_, k)| (k.family, k.id));
+        } else {
+            found.sort_by_key(|(score, k)| (-score, k.id));
+        }
+        found.into_iter().map(|(_, k)| k).take(SHOWN).collect()
+    }
+
+    pub(crate) fn show(&mut self, ui: &Ui, bounds: Rect, graph: &Graph) -> Found {
+        let hits = self.hits(graph);
+        self.chosen = self.chosen.min(hits.len().saturating_sub(1));
+        let size = vec2(340.0, 330.0);
+        let corner = self.screen.min(bounds.max - size - vec2(12.0, 12.0)).max(bounds.min);
+        let mut found = Found::Nothing;
+        let area = egui::Area::new(egui::Id::new("search for kinds"));
+        let area = area.order(egui::Order::Foreground).fixed_pos(corner).show(ui.ctx(), |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_width(size.x);
+                ui.set_height(size.y);
+                found = self.contents(ui, &hits, graph);
+            });
+        });
+        let elsewhere = ui.input(|i| {
+            i.pointer.any_pressed()
+                && i.pointer.interact_pos().is_some_and(|p| !area.response.rect.contains(p))
+        });
+        if elsewhere && !self.fresh && matches!(found, Found::Nothing) {
+            found = Found::Closed;
+        }
+        self.fresh = false;
+        found
+    }
+
+    fn contents(&mut self, ui: &mut Ui, hits: &[&'static Kind], graph: &Graph) -> Found {
+        let pressed = |key| ui.input_mut(|i| i.consume_key(egui::Modifiers::NONE, key));
+        if pressed(Key::Escape) {
+            return Found::Closed;
+        }
+        if pressed(Key::ArrowDown) {
+            self.chosen += 1;
+        }
+        if pressed(Key::ArrowUp) {
+            self.chosen = self.chosen.saturating_sub(1);
+        }
+        if pressed(Key::Enter) {
+            return hits.get(self.chosen).map_or(Found::Closed, |k| Found::Kind(k));
+        }
+        let hint = match self.end.and_then(|end| end.wire(graph)) {
+            Some(wire) => format!("What takes or gives {}", wire.name()),
+            None => "Search nodes".to_owned(),
+        };
+        let edit = egui::TextEdit::singleline(&mut self.query).hint_text(hint).desired_width(f32::INFINITY);
+        let edit = ui.add(edit);
+        edit.widget_info(|| {
+            egui::WidgetInfo::text_edit(true, self.query.clone(), self.query.clone(), "Search nodes")
+        });
+        if self.fresh {
+            edit.request_focus();
+        }
+        if edit.changed() {
+            self.chosen = 0;
+        }
+        ui.separator();
+        if hits.is_empty() {
+            ui.weak("No kind fits. Try other words: what it does, or what it is called elsewhere.");
+        }
+        let scroll = egui::ScrollArea::vertical().auto_shrink([false, false]);
+        scroll.show(ui, |ui| self.list(ui, hits)).inner.map_or(Found::Nothing, Found::Kind)
+    }
+
+    fn list(&mut self, ui: &mut Ui, hits: &[&'static Kind]) -> Option<&'static Kind> {
+        let mut picked = None;
+        for (i, &kind) in hits.iter().enumerate() {
+            let own = i == self.chosen;
+            let row = ui.horizontal(|ui| {
+                let name = ui.selectable_label(own, RichText::new(kind.id).strong());
+                ui.weak(kind.family);
+                name
+            });
+            if own {
+                ui.indent(("help", i), |ui| ui.label(RichText::new(summary(kind)).small()));
+                if ui.input(|i| i.key_pressed(Key::ArrowDown) || i.key_pressed(Key::ArrowUp)) {
+                    row.inner.scroll_to_me(None);
+                }
+            }
+            let name = row.inner.on_hover_text(summary(kind));
+            if name.clicked() {
+                picked = Some(kind);
+            }
+        }
+        picked
+    }
+}
+
+/// The first sentence of the manual page of a kind.
+pub(crate) fn summary(kind: &Kind) -> String {
+    let doc = kind.doc();
+    doc.split("\n\n").next().unwrap_or_default().replace('\n', " ")
+}

@@ -1,0 +1,382 @@
+//! What is asked before something is lost, and what helps to find things.
+
+use eframe::egui::{self, Context, Key, RichText, Ui};
+
+use super::actions::After;
+use super::app::{Editor, FileFor};
+use super::command::Command;
+use super::document::Document;
+use super::fuzzy;
+use super::recovery::Orphan;
+use crate::graph::{Graph, NodeId};
+
+/// Presets that the first-run page offers: what comes with the program.
+const PRESETS: [(&str, &str, &[u8]); 3] = [
+    (
+        "First light",
+        "Noise, terraces and colours: a whole graph to look around in",
+        include_bytes!("../../graphs/first_light.graph"),
+    ),
+    ("Mountain", "A massif drawn with 59 feature curves", include_bytes!("../../graphs/mountain.graph")),
+    (
+        "Volcanic island",
+        "Curves, diffusion and noise around a crater",
+        include_bytes!("../../graphs/volcanic_island.graph"),
+    ),
+];
+
+/// What is open over the window.
+pub(super) enum Dialog {
+    None,
+    /// The first-run page.
+    Welcome,
+    /// Work of sessions that did not end well.
+    Recover(Vec<Orphan>),
+    /// Unsaved work, and what was to happen.
+    Unsaved(After),
+    /// The file was changed by others while there is unsaved work.
+    Changed(Vec<u8>),
+    /// All keys.
+    Help,
+    /// All commands.
+    Palette(Finder),
+    /// The nodes of the graph.
+    Find(Finder),
+    /// The build.
+    Build,
+}
+
+/// A text to find something by.
+#[derive(Default)]
+pub(super) struct Finder {
+    query: String,
+    chosen: usize,
+    old: bool,
+}
+
+impl Dialog {
+    pub(super) fn palette() -> Self {
+        Self::Palette(Finder::default())
+    }
+
+    pub(super) fn find() -> Self {
+        Self::Find(Finder::default())
+    }
+
+    /// Whether keys should wait until it is closed.
+    pub(super) fn is_modal(&self) -> bool {
+        !matches!(self, Self::None)
+    }
+}
+
+impl Editor {
+    pub(super) fn dialogs(&mut self, ctx: &Context) {
+        let dialog = std::mem::replace(&mut self.dialog, Dialog::None);
+        let stays = match dialog {
+            Dialog::None => None,
+            Dialog::Welcome => self.welcome(ctx),
+            Dialog::Recover(orphans) => self.recover(ctx, orphans),
+            Dialog::Unsaved(after) => self.unsaved(ctx, after),
+            Dialog::Changed(bytes) => self.changed(ctx, bytes),
+            Dialog::Help => help(ctx),
+            Dialog::Palette(finder) => self.palette(ctx, finder),
+            Dialog::Find(finder) => self.find(ctx, finder),
+            Dialog::Build => self.build_window(ctx),
+        };
+        // What was opened by a button of this one goes before it.
+        if let (Some(dialog), Dialog::None) = (stays, &self.dialog) {
+            self.dialog = dialog;
+        }
+    }
+
+    fn welcome(&mut self, ctx: &Context) -> Option<Dialog> {
+        let mut stays = true;
+        let modal = modal(ctx, "welcome", 460.0, |ui| {
+            ui.heading("Orograph");
+            ui.label("Terrain from a graph of nodes: the same at any size, in metres, to the bit.");
+            ui.add_space(8.0);
+            ui.strong("Begin with");
+            for (name, about, bytes) in PRESETS {
+                if ui.add(egui::Button::new(RichText::new(name).strong())).on_hover_text(about).clicked() {
+                    if let Ok(graph) = Graph::from_bytes(bytes, &self.registry) {
+                        self.adopt(ctx, Document::adopted(graph, None, "Preset"));
+                    }
+                    stays = false;
+                }
+                ui.weak(about);
+            }
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                if ui.button("Empty graph").clicked() {
+                    stays = false;
+                }
+                if ui.button("Open…").clicked() {
+                    self.ask(ctx, FileFor::Open);
+                    stays = false;
+                }
+            });
+            ui.add_space(6.0);
+            ui.weak("Tab adds a node, F1 shows all keys.");
+        });
+        if stays && !modal {
+            return Some(Dialog::Welcome);
+        }
+        self.settings.welcomed = true;
+        self.write_settings();
+        None
+    }
+
+    fn recover(&mut self, ctx: &Context, mut orphans: Vec<Orphan>) -> Option<Dialog> {
+        let (mut taken, mut thrown) = (None, None);
+        let mut later = modal(ctx, "recover", 520.0, |ui| {
+            ui.heading("Unsaved work was found");
+            ui.label("The editor did not end well. What was not saved has been kept:");
+            for (i, orphan) in orphans.iter().enumerate() {
+                ui.separator();
+                let name = orphan
+                    .path
+                    .as_ref()
+                    .map_or("a graph without a file".to_owned(), |p| p.display().to_string());
+                ui.strong(name);
+                let age = orphan.when.elapsed().map_or(0, |t| t.as_secs() / 60);
+                ui.weak(format!("{age} minutes ago, {} bytes", orphan.graph.len()));
+                ui.horizontal(|ui| {
+                    if ui.button("Recover").clicked() {
+                        taken = Some(i);
+                    }
+                    if ui.button("Throw away").clicked() {
+                        thrown = Some(i);
+                    }
+                });
+            }
+        });
+        if let Some(i) = thrown {
+            orphans.remove(i).forget();
+        }
+        if let Some(orphan) = taken.filter(|i| *i < orphans.len()).map(|i| orphans.remove(i)) {
+            match Graph::from_bytes(orphan.graph.as_bytes(), &self.registry) {
+                Ok(graph) => {
+                    self.adopt(ctx, Document::adopted(graph, orphan.path.clone(), "Recovered"));
+                    self.notices.say("Recovered. Save it to keep it");
+                    orphan.forget();
+                }
+                Err(e) => self.notices.fail(format!("It cannot be read: {e}")),
+            }
+            later = true;
+        }
+        (!later && !orphans.is_empty()).then_some(Dialog::Recover(orphans))
+    }
+
+    fn unsaved(&mut self, ctx: &Context, after: After) -> Option<Dialog> {
+        let mut choice = None;
+        let cancelled = modal(ctx, "unsaved", 380.0, |ui| {
+            ui.heading("Save the changes?");
+            ui.label(format!("`{}` has changes that are in no file.", self.document.name()));
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                if ui.button("Save").clicked() {
+                    choice = Some(true);
+                }
+                if ui.button("Discard").clicked() {
+                    choice = Some(false);
+                }
+                if ui.button("Cancel").clicked() {
+                    ui.close();
+                }
+            });
+        });
+        match choice {
+            Some(true) => match self.document.path().map(std::path::Path::to_owned) {
+                Some(path) => {
+                    if self.save_to(ctx, &path) {
+                        self.go_on(ctx, after);
+                    }
+                    None
+                }
+                None => {
+                    self.ask(ctx, FileFor::SaveAs);
+                    None
+                }
+            },
+            Some(false) => {
+                self.go_on(ctx, after);
+                None
+            }
+            None => (!cancelled).then_some(Dialog::Unsaved(after)),
+        }
+    }
+
+    fn changed(&mut self, ctx: &Context, bytes: Vec<u8>) -> Option<Dialog> {
+        let mut reload = None;
+        modal(ctx, "changed", 460.0, |ui| {
+            ui.heading("The file has changed");
+            ui.label("Another program has written to this file, and there is unsaved work here. Nothing is lost either way: what you do not choose now stays in the history, or in the file.");
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                if ui.button("Read the file").on_hover_text("Undo brings this work back").clicked() {
+                    reload = Some(true);
+                }
+                if ui.button("Keep mine").on_hover_text("The file stays as it is until you save").clicked() {
+                    reload = Some(false);
+                }
+            });
+        });
+        match reload {
+            Some(true) => self.reload(bytes),
+            Some(false) => self.document.keep_mine(bytes),
+            None => return Some(Dialog::Changed(bytes)),
+        }
+        None
+    }
+
+    fn palette(&mut self, ctx: &Context, mut finder: Finder) -> Option<Dialog> {
+        let commands = Command::ALL.into_iter().filter(|c| self.can(*c) && *c != Command::Palette);
+        let hits = finder.hits(commands, |c| (c.name().to_owned(), c.help()));
+        let picked = finder.show(ctx, "commands", &hits, |ui, c| {
+            let key = c.shortcut().map(|s| ui.ctx().format_shortcut(&s)).unwrap_or_default();
+            (c.name().to_owned(), key)
+        });
+        match picked {
+            Pick::One(command) => {
+                self.perform(ctx, command);
+                None
+            }
+            Pick::None => Some(Dialog::Palette(finder)),
+            Pick::Closed => None,
+        }
+    }
+
+    fn find(&mut self, ctx: &Context, mut finder: Finder) -> Option<Dialog> {
+        let graph = self.document.graph();
+        let name = |id: &NodeId| graph.node(*id).name.clone();
+        let kind = |id: &NodeId| graph.node(*id).kind().map_or("", |k| k.id);
+        let hits = finder.hits(graph.nodes(), |id| (name(id), kind(id)));
+        let picked = finder.show(ctx, "nodes of this graph", &hits, |_, id| (name(id), kind(id).to_owned()));
+        match picked {
+            Pick::One(id) => {
+                self.go_to(id);
+                None
+            }
+            Pick::None => Some(Dialog::Find(finder)),
+            Pick::Closed => None,
+        }
+    }
+}
+
+enum Pick<T> {
+    None,
+    Closed,
+    One(T),
+}
+
+impl Finder {
+    fn hits<T: Copy>(
+        &self,
+        all: impl IntoIterator<Item = T>,
+        text: impl Fn(&T) -> (String, &'static str),
+    ) -> Vec<T> {
+        let score = |one: T| {
+            let (name, more) = text(&one);
+            Some((fuzzy::best(self.query.trim(), &name, [more])?, one))
+        };
+        let mut found: Vec<_> = all.into_iter().filter_map(score).collect();
+        if !self.query.trim().is_empty() {
+            found.sort_by_key(|(score, _)| -score);
+        }
+        found.into_iter().map(|(_, one)| one).take(100).collect()
+    }
+
+    fn show<T: Copy>(
+        &mut self,
+        ctx: &Context,
+        title: &str,
+        hits: &[T],
+        text: impl Fn(&Ui, &T) -> (String, String),
+    ) -> Pick<T> {
+        let mut picked = Pick::None;
+        let closed = modal(ctx, title, 420.0, |ui| {
+            let pressed = |key| ui.input_mut(|i| i.consume_key(egui::Modifiers::NONE, key));
+            if pressed(Key::ArrowDown) {
+                self.chosen += 1;
+            }
+            if pressed(Key::ArrowUp) {
+                self.chosen = self.chosen.saturating_sub(1);
+            }
+            self.chosen = self.chosen.min(hits.len().saturating_sub(1));
+            if pressed(Key::Enter) {
+                picked = hits.get(self.chosen).map_or(Pick::Closed, |one| Pick::One(*one));
+            }
+            let edit = egui::TextEdit::singleline(&mut self.query).hint_text(format!("Search {title}"));
+            let edit = ui.add(edit.desired_width(f32::INFINITY));
+            edit.widget_info(|| {
+                egui::WidgetInfo::text_edit(
+                    true,
+                    self.query.clone(),
+                    self.query.clone(),
+                    format!("Search {title}"),
+                )
+            });
+            if !std::mem::replace(&mut self.old, true) {
+                edit.request_focus();
+            }
+            if edit.changed() {
+                self.chosen = 0;
+            }
+            egui::ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
+                for (i, one) in hits.iter().enumerate() {
+                    let (name, more) = text(ui, one);
+                    ui.horizontal(|ui| {
+                        if ui.selectable_label(i == self.chosen, name).clicked() {
+                            picked = Pick::One(*one);
+                        }
+                        ui.weak(more);
+                    });
+                }
+            });
+        });
+        if closed && matches!(picked, Pick::None) { Pick::Closed } else { picked }
+    }
+}
+
+/// All keys, from the list of commands.
+fn help(ctx: &Context) -> Option<Dialog> {
+    let closed = modal(ctx, "keys", 560.0, |ui| {
+        ui.heading("Keys");
+        egui::ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
+            egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+                for command in Command::ALL {
+                    let key = command.shortcut().map(|s| ui.ctx().format_shortcut(&s)).unwrap_or_default();
+                    ui.monospace(key);
+                    ui.label(command.name()).on_hover_text(command.help());
+                    ui.end_row();
+                }
+                let hands = [
+                    ("Wheel", "Zoom at the pointer"),
+                    ("Middle, right or Space + drag", "Pan"),
+                    ("Drag on the ground", "Select by a box; Shift adds"),
+                    ("Drag from a port", "Pull a wire; on empty ground it opens the search"),
+                    ("Drag a node onto a wire", "Puts it in"),
+                    ("Double-click on a wire", "Adds a bend; on a bend removes it"),
+                    ("Alt-click on a wire", "Cuts it"),
+                    ("Double-click on a node", "Pins it in the view"),
+                    ("Shift-drag over the map", "Profile along a line"),
+                ];
+                for (hand, what) in hands {
+                    ui.monospace(hand);
+                    ui.label(what);
+                    ui.end_row();
+                }
+            });
+        });
+    });
+    (!closed).then_some(Dialog::Help)
+}
+
+/// A window that waits for an answer; true when it was closed.
+pub(super) fn modal(ctx: &Context, id: &str, width: f32, contents: impl FnOnce(&mut Ui)) -> bool {
+    let modal = egui::Modal::new(egui::Id::new(("dialog", id))).show(ctx, |ui| {
+        ui.set_width(width);
+        contents(ui);
+    });
+    modal.should_close()
+}

@@ -1,0 +1,68 @@
+//! How well a few typed letters fit a text.
+
+/// How well a query fits a name: higher is better, `None` where its letters do not all come in order.
+pub(crate) fn score(query: &str, text: &str) -> Option<i32> {
+    let lower = |s: &str| -> Vec<char> { s.chars().flat_map(char::to_lowercase).collect() };
+    let letters = lower(text);
+    let wanted: Vec<char> = lower(query).into_iter().filter(|c| !c.is_whitespace() && *c != '_').collect();
+    let starts = |i: usize| i == 0 || !letters[i - 1].is_alphanumeric();
+    let whole = || letters.windows(wanted.len().max(1)).enumerate().filter(|(_, w)| *w == wanted);
+    let at_start = whole().any(|(i, _)| starts(i));
+    let total = match (at_start, whole().next()) {
+        (true, _) => 10 * wanted.len() as i32 + 20,
+        (false, Some(_)) => 8 * wanted.len() as i32 + 6,
+        (false, None) => scattered(&wanted, &letters, starts)?,
+    };
+    Some(total * 4 - letters.len() as i32)
+}
+
+/// How well letters fit that come in order with others between: at the starts of words best.
+fn scattered(wanted: &[char], letters: &[char], starts: impl Fn(usize) -> bool) -> Option<i32> {
+    let (mut total, mut from) = (0, 0);
+    for letter in wanted {
+        let places = || (from..letters.len()).filter(|i| letters[*i] == *letter);
+        let at = places().find(|i| starts(*i)).or_else(|| places().next())?;
+        total += if starts(at) { 6 } else { 1 };
+        from = at + 1;
+    }
+    Some(total)
+}
+
+/// How well a query fits the best of a name and, for less, some words that mean the same; slips of the pen count.
+pub(crate) fn best<'a>(query: &str, name: &str, words: impl IntoIterator<Item = &'a str>) -> Option<i32> {
+    let own = score(query, name).map(|s| s + 40);
+    let others = words.into_iter().filter_map(|word| score(query, word));
+    let slip = || {
+        let distance = strsim::damerau_levenshtein(&query.to_lowercase(), name);
+        (query.len() > 3 && distance <= 2).then_some(0)
+    };
+    own.into_iter().chain(others).max().or_else(slip)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_come_in_order() {
+        assert!(score("fn", "fractal_noise").is_some());
+        assert!(score("nf", "fractal_noise").is_none());
+        assert!(score("", "blur").is_some());
+    }
+
+    #[test]
+    fn names_before_synonyms_and_starts_before_middles() {
+        let rank = |query: &str| {
+            let kinds = crate::nodes::Registry::standard();
+            let fit = |k: &&'static crate::node::Kind| best(query, k.id, k.meta.keywords.iter().copied());
+            let mut found: Vec<_> = kinds.iter().filter_map(|k| Some((fit(&k)?, k.id))).collect();
+            found.sort_by_key(|(s, id)| (-s, *id));
+            found.first().map(|(_, id)| *id)
+        };
+        assert_eq!(rank("blur"), Some("blur"));
+        assert_eq!(rank("fn"), Some("fractal_noise"));
+        assert_eq!(rank("slope"), Some("select_slope"));
+        assert_eq!(rank("unsharp"), Some("sharpen"));
+        assert_eq!(rank("blurr"), Some("blur"));
+    }
+}

@@ -1,0 +1,67 @@
+//! Lists of values: a row an item, to add, remove and bring to another place.
+
+use eframe::egui::{self, ScrollArea, Ui};
+use serde_json::Value as Json;
+
+use super::value::{Edited, Field, edit as edit_value, fresh};
+use crate::params::Shape;
+
+/// Items shown at once; longer lists scroll in pages.
+const PAGE: usize = 100;
+
+pub(super) fn edit(
+    ui: &mut Ui,
+    field: &Field<'_>,
+    item: &Shape,
+    [min, max]: [usize; 2],
+    value: &mut Json,
+) -> Edited {
+    let Some(items) = value.as_array_mut() else { return Edited::No };
+    let mut edited = Edited::No;
+    let mut removed = None;
+    ui.horizontal(|ui| {
+        ui.weak(format!("{} items", items.len()));
+        let add = ui.add_enabled(items.len() < max, egui::Button::new("➕ Add").small());
+        if add.clicked() {
+            let new = items.last().cloned().unwrap_or_else(|| fresh(item, &Json::Null));
+            items.push(new);
+            edited = Edited::Done;
+        }
+    });
+    let tall = matches!(item, Shape::Record(_));
+    let show = |ui: &mut Ui, items: &mut Vec<Json>, edited: &mut Edited, removed: &mut Option<usize>| {
+        let fewest = items.len() <= min;
+        for (i, one) in items.iter_mut().enumerate().take(PAGE) {
+            ui.push_id(i, |ui| {
+                let name = format!("{} {i}", field.name);
+                let part = Field { name: &name, ..field.part(item) };
+                let mut row = |ui: &mut Ui| {
+                    let remove = ui.add_enabled(!fewest, egui::Button::new("✖").small());
+                    if remove.on_hover_text("Remove this item").clicked() {
+                        *removed = Some(i);
+                    }
+                    *edited = edited.or(edit_value(ui, &part, one));
+                };
+                if tall {
+                    egui::CollapsingHeader::new(&name).show(ui, row);
+                } else {
+                    ui.horizontal(|ui| row(ui));
+                }
+            });
+        }
+        if items.len() > PAGE {
+            ui.weak(format!("… and {} more, in the file", items.len() - PAGE));
+        }
+    };
+    if items.len() > 6 {
+        let scroll = ScrollArea::vertical().id_salt(field.name).max_height(240.0);
+        scroll.show(ui, |ui| show(ui, items, &mut edited, &mut removed));
+    } else {
+        show(ui, items, &mut edited, &mut removed);
+    }
+    if let Some(i) = removed {
+        items.remove(i);
+        edited = Edited::Done;
+    }
+    edited
+}

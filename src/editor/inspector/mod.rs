@@ -1,0 +1,265 @@
+//! The panel of parameters: made from the schema of the kinds, so that a new kind has its panel by itself.
+
+mod curve;
+mod gradient;
+mod graph_panel;
+mod list;
+mod note;
+mod number;
+mod outputs;
+mod value;
+
+pub(crate) use graph_panel::graph_panel;
+pub(crate) use note::note_panel;
+pub(crate) use outputs::outputs_panel;
+
+use std::collections::BTreeSet;
+
+use eframe::egui::{self, Color32, RichText, Ui};
+use serde_json::Value as Json;
+
+use super::canvas::search::summary;
+use super::document::Document;
+use super::notices::Notices;
+use super::theme;
+use crate::graph::{Exposed, Graph, NodeId};
+use crate::node::Kind;
+use crate::params::Param;
+use value::{Edited, Field};
+
+/// What the panel works with for a frame.
+pub(crate) struct Panel<'a> {
+    pub(crate) document: &'a mut Document,
+    pub(crate) notices: &'a mut Notices,
+    /// Asks for a file for a parameter; the answer comes later.
+    pub(crate) pick_file: &'a dyn Fn(&str),
+}
+
+impl Panel<'_> {
+    fn graph(&self) -> &Graph {
+        self.document.graph()
+    }
+
+    fn apply(
+        &mut self,
+        label: &str,
+        gesture: &str,
+        change: impl FnOnce(&mut Graph) -> Result<(), crate::graph::Problem>,
+    ) {
+        if let Err(problem) = self.document.gesture(label, gesture, change) {
+            self.notices.problem(&problem);
+        }
+    }
+}
+
+/// The parameters of the chosen nodes: those of one node, or of several of one kind at once.
+pub(crate) fn nodes_panel(ui: &mut Ui, panel: &mut Panel<'_>, chosen: &BTreeSet<NodeId>) {
+    let ids: Vec<NodeId> = chosen.iter().copied().filter(|id| panel.graph().get(*id).is_some()).collect();
+    let Some(&first) = ids.first() else {
+        ui.weak("Select a node to see its parameters.");
+        return;
+    };
+    let node = panel.graph().node(first).clone();
+    let Some(kind) = node.kind() else {
+        ui.heading(&node.name);
+        let kind = node.kind.id();
+        ui.label(format!("`{kind}` is not known to this version. It is kept as it is and cannot run."));
+        return;
+    };
+    if ids.iter().any(|id| panel.graph().node(*id).kind().map(|k| k.id) != Some(kind.id)) {
+        ui.heading(format!("{} nodes", ids.len()));
+        ui.weak("Select nodes of one kind to set their parameters together.");
+        return;
+    }
+    if let [id] = ids[..] {
+        name(ui, panel, id);
+    } else {
+        ui.heading(format!("{} × {}", ids.len(), kind.id));
+    }
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(kind.id).color(ui.visuals().weak_text_color()));
+        let help = ui.small_button("?").on_hover_text("What this kind does");
+        egui::Popup::menu(&help).width(420.0).show(|ui| page(ui, kind));
+    });
+    ui.add(egui::Label::new(RichText::new(summary(kind)).small()).wrap());
+    ui.separator();
+    if kind.params().is_empty() {
+        ui.weak("This kind has no parameters.");
+    }
+    for param in kind.params() {
+        parameter(ui, panel, &ids, param);
+    }
+    problems(ui, panel, first);
+}
+
+fn problems(ui: &mut Ui, panel: &Panel<'_>, id: NodeId) {
+    for problem in panel.document.problems().iter().filter(|p| p.blames() == Some(id)) {
+        let color = if problem.is_error() { theme::ERROR } else { theme::WARNING };
+        ui.separator();
+        ui.add(egui::Label::new(RichText::new(problem.to_string()).color(color)).wrap());
+    }
+}
+
+/// The manual page of a kind.
+fn page(ui: &mut Ui, kind: &'static Kind) {
+    egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+        for part in kind.doc().split("\n\n") {
+            match part.strip_prefix("# ") {
+                Some(title) => ui.strong(title),
+                None => ui.label(part.replace('\n', " ")),
+            };
+        }
+    });
+}
+
+/// The name of a node, to be changed by typing.
+fn name(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId) {
+    let field = ui.id().with(("name", id.index()));
+    let own = panel.graph().node(id).name.clone();
+    let mut text = ui.data_mut(|d| d.get_temp::<String>(field)).unwrap_or_else(|| own.clone());
+    let edit = egui::TextEdit::singleline(&mut text).font(egui::TextStyle::Heading).id(field.with("edit"));
+    let edit = ui.add(edit.desired_width(f32::INFINITY));
+    edit.widget_info(|| egui::WidgetInfo::text_edit(true, own.clone(), text.clone(), "Node name"));
+    if edit.lost_focus() {
+        ui.data_mut(|d| d.remove_temp::<String>(field));
+        if text != own {
+            let renamed = panel.document.edit("Rename", |g| g.rename(id, text.trim()));
+            if let Err(problem) = renamed {
+                panel.notices.problem(&problem);
+            }
+        }
+    } else if edit.has_focus() {
+        ui.data_mut(|d| d.insert_temp(field, text));
+    }
+}
+
+/// The id of the field in which a node is renamed.
+pub(crate) fn name_field(ui: &Ui, id: NodeId) -> egui::Id {
+    ui.id().with(("name", id.index())).with("edit")
+}
+
+/// One parameter of some nodes of a kind.
+fn parameter(ui: &mut Ui, panel: &mut Panel<'_>, ids: &[NodeId], param: &Param) {
+    let values: Vec<Json> = ids.iter().map(|id| current(panel.graph(), *id, param)).collect();
+    let Some(value) = values.first().cloned() else { return };
+    let mixed = values.iter().any(|v| *v != value);
+    let exposed = exposed_as(panel.graph(), ids[0], param).map(str::to_owned);
+    let changed = values.iter().any(|v| *v != param.default);
+    let before = previous(ui, ids, param);
+    let field = Field {
+        name: &param.name,
+        doc: &param.doc,
+        shape: &param.shape,
+        unit: param.unit.as_deref(),
+        soft: param.soft,
+        widget: param.widget.as_deref(),
+        previous: before.as_ref(),
+        pick_file: panel.pick_file,
+    };
+    let mut edited = Edited::No;
+    let mut next = value.clone();
+    let row = value::labelled(ui, &field, label_of(ui, param, changed, mixed, exposed.as_deref()), |ui| {
+        edited = value::edit(ui, &field, &mut next);
+    });
+    row.context_menu(|ui| parameter_menu(ui, panel, ids, param, exposed.as_deref(), changed));
+    if edited == Edited::No || next == value && !mixed {
+        return;
+    }
+    if param.widget.as_deref() == Some("seed") {
+        remember(ui, ids, param, value);
+    }
+    let label = format!("Set {}", param.name);
+    let gesture = format!("set {:?}.{}", ids, param.name);
+    panel.apply(&label, &gesture, |graph| match &exposed {
+        Some(name) => graph.set_exposed(name, next),
+        None => ids.iter().try_for_each(|id| graph.set(*id, &param.name, next.clone())),
+    });
+    if edited == Edited::Done {
+        panel.document.rest();
+    }
+}
+
+fn label_of(ui: &Ui, param: &Param, changed: bool, mixed: bool, exposed: Option<&str>) -> RichText {
+    let name = param.name.replace('_', " ");
+    let text = match exposed {
+        Some(_) => RichText::new(format!("{name} ⬈")).color(Color32::from_rgb(120, 180, 240)),
+        None if mixed => RichText::new(format!("{name} ≠")).color(theme::WARNING),
+        None if changed => RichText::new(name).strong(),
+        None => RichText::new(name).color(ui.visuals().text_color()),
+    };
+    text.size(13.0)
+}
+
+fn parameter_menu(
+    ui: &mut Ui,
+    panel: &mut Panel<'_>,
+    ids: &[NodeId],
+    param: &Param,
+    exposed: Option<&str>,
+    changed: bool,
+) {
+    if ui.add_enabled(changed && exposed.is_none(), egui::Button::new("Reset to default")).clicked() {
+        panel.apply("Reset", "", |g| ids.iter().try_for_each(|id| g.reset(*id, &param.name)));
+        panel.document.rest();
+        ui.close();
+    }
+    match exposed {
+        Some(name) => {
+            ui.weak(format!("Exposed as `{name}`"));
+            if ui.button("Expose no longer").clicked() {
+                panel.apply("Unexpose", "", |g| g.unexpose(name).map(drop));
+                ui.close();
+            }
+        }
+        None if ui.button("Expose as graph parameter").clicked() => {
+            let (name, binds) = exposure(panel.graph(), ids, param);
+            let exposed = Exposed { bind: binds, label: param.name.replace('_', " "), ..Exposed::default() };
+            panel.apply("Expose", "", |g| g.expose(&name, exposed));
+            panel.document.rest();
+            ui.close();
+        }
+        None => (),
+    }
+    ui.separator();
+    let path = format!("{}.{}", panel.graph().node(ids[0]).name, param.name);
+    if ui.button("Copy as --set").clicked() {
+        let value = current(panel.graph(), ids[0], param);
+        let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        ui.ctx().copy_text(format!("--set '{}={text}'", exposed.unwrap_or(&path)));
+        ui.close();
+    }
+}
+
+/// A free name for an exposed parameter, and what it binds.
+fn exposure(graph: &Graph, ids: &[NodeId], param: &Param) -> (String, Vec<String>) {
+    let bind = |id: &NodeId| format!("{}.{}", graph.node(*id).name, param.name);
+    let taken = |name: &str| graph.exposed().any(|(n, _)| n == name);
+    let long = format!("{}_{}", graph.node(ids[0]).name, param.name);
+    let mut names =
+        [param.name.clone(), long.clone()].into_iter().chain((2..).map(|n| format!("{long}_{n}")));
+    let name = names.find(|n| !taken(n)).unwrap_or_default();
+    (name, ids.iter().map(bind).collect())
+}
+
+/// The value that a parameter of a node has.
+fn current(graph: &Graph, id: NodeId, param: &Param) -> Json {
+    graph.node(id).set.get(&param.name).cloned().unwrap_or_else(|| param.default.clone())
+}
+
+/// The exposed parameter that sets a parameter of a node.
+fn exposed_as<'g>(graph: &'g Graph, id: NodeId, param: &Param) -> Option<&'g str> {
+    let bind = format!("{}.{}", graph.node(id).name, param.name);
+    graph.exposed().find(|(_, e)| e.bind.contains(&bind)).map(|(name, _)| name)
+}
+
+/// The seed that was there before the last throw of the dice.
+fn previous(ui: &Ui, ids: &[NodeId], param: &Param) -> Option<Json> {
+    let key = egui::Id::new(("previous", ids.first().map(|id| id.index()), &param.name));
+    let text = ui.data(|d| d.get_temp::<String>(key))?;
+    serde_json::from_str(&text).ok()
+}
+
+fn remember(ui: &Ui, ids: &[NodeId], param: &Param, value: Json) {
+    let key = egui::Id::new(("previous", ids.first().map(|id| id.index()), &param.name));
+    ui.data_mut(|d| d.insert_temp(key, value.to_string()));
+}

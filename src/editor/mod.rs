@@ -1,0 +1,76 @@
+//! The desktop editor: a face of the [`graph`](crate::graph) and the [`engine`](crate::engine), behind the default
+//! feature `editor`.
+//!
+//! The document (`document`) is the graph with a history of whole states, so that everything can be undone to the same
+//! bytes. The canvas (`canvas`) draws the document itself and keeps no copy. The evaluator (`evaluator`) runs the
+//! engine on a thread of its own and puts what it finds on a board (`board`) that the window reads; a new order gives up
+//! what is stale. What can be done by name is a `Command`: menus, keys, palette and cheat sheet come
+//! from one list. Panels (`inspector`) come from the schema of the kinds.
+
+mod actions;
+mod app;
+mod ask;
+mod board;
+mod build;
+mod canvas;
+mod command;
+mod dialogs;
+mod document;
+mod evaluator;
+mod fuzzy;
+mod history;
+mod inspector;
+mod notices;
+mod ops;
+mod panels;
+mod recovery;
+mod settings;
+mod shade;
+mod theme;
+mod views;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use eframe::egui;
+
+pub use app::{Editor, Setup};
+pub use ask::{Answer, Asker, Question};
+pub use document::Document;
+
+use crate::render::Picture;
+
+/// Opens the window and edits until it is closed.
+///
+/// # Errors
+/// When there is no screen or no device to draw with; the message says what to do.
+pub fn run(path: Option<PathBuf>) -> Result<(), String> {
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("Orograph")
+        .with_app_id("orograph")
+        .with_inner_size([1440.0, 900.0])
+        .with_min_inner_size([720.0, 480.0]);
+    let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
+    let setup = Setup { path, home: eframe::storage_dir("orograph"), ..Setup::default() };
+    let ran = eframe::run_native(
+        "orograph",
+        options,
+        Box::new(|cx| {
+            let format = cx.wgpu_render_state.as_ref().map(|state| state.target_format);
+            Ok(Box::new(Editor::new(&cx.egui_ctx, Setup { format, ..setup })))
+        }),
+    );
+    ran.map_err(|e| {
+        format!(
+            "the editor cannot open a window: {e}. It needs a screen and a graphics driver (on a machine without a \
+             graphics card, Mesa's software Vulkan serves: `mesa-vulkan-drivers`); the other commands need neither"
+        )
+    })
+}
+
+/// A picture as the window draws it.
+fn image_of(picture: &Picture) -> egui::ImageData {
+    let pixels = picture.rgb.iter().map(|c| egui::Color32::from_rgb(c[0], c[1], c[2])).collect();
+    let size = [picture.width, picture.height];
+    egui::ImageData::Color(Arc::new(egui::ColorImage::new(size, pixels)))
+}

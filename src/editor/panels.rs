@@ -1,0 +1,315 @@
+//! The panels around canvas and view: menus, parameters, history, state.
+
+use std::cell::RefCell;
+
+use eframe::egui::{self, Context, Id, RichText, Ui};
+
+use super::app::{Editor, FileFor, Page};
+use super::canvas::time;
+use super::command::Command;
+use super::inspector::{Panel, graph_panel, name_field, nodes_panel, note_panel, outputs_panel};
+use super::shade::Mode;
+use super::theme;
+
+/// The pages of the panel at the right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Tab {
+    Node,
+    Graph,
+    Outputs,
+    History,
+}
+
+impl Tab {
+    const ALL: [(Self, &'static str, &'static str); 4] = [
+        (Self::Node, "Node", "Parameters of the selected nodes"),
+        (Self::Graph, "Graph", "Exposed parameters, terrain and texts of the graph"),
+        (Self::Outputs, "Outputs", "The files that a build writes"),
+        (Self::History, "History", "All changes; click one to go back to it"),
+    ];
+}
+
+/// Where the wish to rename is left for the panel.
+pub(super) fn focus_name() -> Id {
+    Id::new("rename next")
+}
+
+impl Editor {
+    pub(super) fn menu_bar(&mut self, ui: &mut Ui) {
+        use Command::*;
+        let mut chosen = None;
+        egui::Panel::top("menu").show(ui, |ui| {
+            egui::MenuBar::new().ui(ui, |ui| {
+                let menus: [(&str, &[&[Command]]); 4] = [
+                    ("File", &[&[New, Open], &[Save, SaveAs], &[Build], &[Quit]]),
+                    (
+                        "Edit",
+                        &[
+                            &[Undo, Redo, History],
+                            &[Cut, Copy, Paste, Duplicate],
+                            &[RemoveBridged, Remove],
+                            &[SelectAll, Find],
+                        ],
+                    ),
+                    (
+                        "Graph",
+                        &[
+                            &[AddNode, AddFrame],
+                            &[Bypass, Pin, Rename],
+                            &[ArrangeTree, ArrangeAll, AlignLeft, AlignTop],
+                        ],
+                    ),
+                    ("View", &[&[FrameView], &[Snap, Theme], &[Palette, Help]]),
+                ];
+                for (title, groups) in menus {
+                    ui.menu_button(title, |ui| {
+                        ui.set_min_width(220.0);
+                        for (i, group) in groups.iter().enumerate() {
+                            if i > 0 {
+                                ui.separator();
+                            }
+                            for &command in *group {
+                                if command.button(ui, self.can(command)).clicked() {
+                                    chosen = Some(command);
+                                    ui.close();
+                                }
+                            }
+                        }
+                        if title == "File" {
+                            self.recent(ui);
+                        }
+                    });
+                }
+                let title = &self.document.graph().about().title;
+                if !title.is_empty() {
+                    ui.separator();
+                    ui.weak(title);
+                }
+            });
+        });
+        if let Some(command) = chosen {
+            let ctx = ui.ctx().clone();
+            self.perform(&ctx, command);
+        }
+    }
+
+    fn recent(&mut self, ui: &mut Ui) {
+        if self.settings.recent.is_empty() {
+            return;
+        }
+        ui.separator();
+        ui.weak("Recent");
+        for path in self.settings.recent.clone() {
+            let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+            if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                ui.close();
+                let ctx = ui.ctx().clone();
+                self.leave(&ctx, super::actions::After::OpenFile(path));
+            }
+        }
+    }
+
+    pub(super) fn status_bar(&mut self, ui: &mut Ui) {
+        egui::Panel::bottom("status").show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let nodes = self.graph().nodes().len();
+                ui.weak(format!("{nodes} nodes"));
+                self.problems(ui);
+                self.work(ui);
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    let terrain = self.graph().terrain();
+                    ui.weak(format!("{:.1} × {:.1} km", terrain.width / 1000.0, terrain.depth / 1000.0));
+                    ui.weak(if self.document.is_unsaved() { "unsaved" } else { "saved" });
+                });
+            });
+        });
+    }
+
+    fn problems(&mut self, ui: &mut Ui) {
+        let problems = self.document.problems();
+        let errors = problems.iter().filter(|p| p.is_error()).count();
+        let warnings = problems.len() - errors;
+        if problems.is_empty() {
+            return;
+        }
+        let text = match (errors, warnings) {
+            (0, w) => RichText::new(format!("{w} warnings")).color(theme::WARNING),
+            (e, 0) => RichText::new(format!("{e} errors")).color(theme::ERROR),
+            (e, w) => RichText::new(format!("{e} errors, {w} warnings")).color(theme::ERROR),
+        };
+        let mut go = None;
+        ui.menu_button(text, |ui| {
+            ui.set_min_width(460.0);
+            egui::ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
+                for problem in problems {
+                    let color = if problem.is_error() { theme::ERROR } else { theme::WARNING };
+                    let label = egui::Button::new(RichText::new(problem.to_string()).color(color))
+                        .wrap()
+                        .frame(false);
+                    if ui.add(label).clicked() {
+                        go = problem.blames();
+                        ui.close();
+                    }
+                }
+            });
+        });
+        if let Some(id) = go {
+            self.go_to(id);
+        }
+    }
+
+    /// Chooses a node and shows it.
+    pub(super) fn go_to(&mut self, id: crate::graph::NodeId) {
+        self.canvas.chosen = super::canvas::Chosen::only(id);
+        self.canvas.frame(self.document.graph());
+        self.tab = Tab::Node;
+    }
+
+    /// What is being evaluated, or waits to be asked for.
+    fn work(&mut self, ui: &mut Ui) {
+        let Some(evaluator) = &self.evaluator else { return };
+        let (busy, held) = {
+            let board = evaluator.board();
+            (board.busy, board.held.clone())
+        };
+        if let Some(held) = held {
+            match held.over {
+                Some(why) => _ = ui.colored_label(theme::ERROR, "over the budget").on_hover_text(why),
+                None => {
+                    ui.colored_label(theme::WARNING, format!("would take about {}", time(held.seconds)));
+                    if ui.button("Evaluate").clicked() {
+                        self.accepted = Some(self.document.state());
+                    }
+                }
+            }
+        } else if busy {
+            ui.spinner();
+            if ui.small_button("Stop").on_hover_text("Gives up what is being evaluated").clicked() {
+                evaluator.stop();
+            }
+        }
+    }
+
+    pub(super) fn side_panel(&mut self, ui: &mut Ui) {
+        let panel = egui::Panel::right("side").resizable(true).default_size(330.0).size_range(240.0..=620.0);
+        panel.show(ui, |ui| {
+            ui.add_space(4.0);
+            ui.horizontal(|ui| {
+                for (tab, name, help) in Tab::ALL {
+                    ui.selectable_value(&mut self.tab, tab, name).on_hover_text(help);
+                }
+            });
+            ui.separator();
+            let ctx = ui.ctx().clone();
+            egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| self.page(ui, &ctx));
+        });
+    }
+
+    fn page(&mut self, ui: &mut Ui, ctx: &Context) {
+        if self.tab == Tab::History {
+            self.history(ui);
+            return;
+        }
+        let wish = RefCell::new(None);
+        let pick = |name: &str| *wish.borrow_mut() = Some(name.to_owned());
+        let mut panel = Panel { document: &mut self.document, notices: &mut self.notices, pick_file: &pick };
+        let chosen = &self.canvas.chosen;
+        match self.tab {
+            Tab::Node if chosen.nodes.is_empty() && chosen.notes.len() == 1 => {
+                if let Some(name) = chosen.notes.first() {
+                    note_panel(ui, &mut panel, name);
+                }
+            }
+            Tab::Node => {
+                if let (Some(id), true) = (chosen.nodes.first(), chosen.nodes.len() == 1)
+                    && ctx.data_mut(|d| d.remove_temp::<bool>(focus_name())).is_some()
+                {
+                    ctx.memory_mut(|m| m.request_focus(name_field(ui, *id)));
+                }
+                nodes_panel(ui, &mut panel, &chosen.nodes);
+            }
+            Tab::Graph => graph_panel(ui, &mut panel),
+            Tab::Outputs => outputs_panel(ui, &mut panel, chosen.nodes.first().copied()),
+            Tab::History => (),
+        }
+        if let Some(name) = wish.into_inner() {
+            let ids = self.canvas.chosen.nodes.iter().copied().collect();
+            self.ask(ctx, FileFor::Parameter(ids, name));
+        }
+    }
+
+    fn history(&mut self, ui: &mut Ui) {
+        let (labels, at) = self.document.states();
+        let mut go = None;
+        for (i, label) in labels.iter().enumerate() {
+            let text = RichText::new(*label);
+            let text = if i > at { text.weak() } else { text };
+            let row = ui.selectable_label(i == at, text);
+            if row.clicked() {
+                go = Some(i);
+            }
+        }
+        if let Some(to) = go {
+            self.document.go(to);
+        }
+    }
+
+    /// What the view shows, and how.
+    pub(super) fn view_bar(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            for (page, name, help) in [
+                (Page::Map, "Map", "From above, with a read-out of the values"),
+                (Page::Relief, "Relief", "In space: drag turns, Shift-drag pans, the wheel comes nearer, WASD flies while dragging"),
+            ] {
+                ui.selectable_value(&mut self.view, page, name).on_hover_text(help);
+            }
+            ui.separator();
+            self.shown(ui);
+            ui.separator();
+            for mode in Mode::ALL {
+                ui.selectable_value(&mut self.map.look.mode, mode, mode.name()).on_hover_text(mode.help());
+            }
+            ui.separator();
+            ui.toggle_value(&mut self.map.look.contours, "Contours").on_hover_text("Lines of equal value");
+            ui.toggle_value(&mut self.map.charts, "Charts")
+                .on_hover_text("Histogram, and the profile along a line drawn with Shift");
+            if self.view == Page::Relief {
+                let times = egui::DragValue::new(&mut self.relief.exaggeration).range(0.1..=20.0).speed(0.02);
+                ui.add(times.prefix("× ")).on_hover_text("Factor on heights");
+                ui.toggle_value(&mut self.relief.water, "Water").on_hover_text("Shows the sea level");
+            }
+            if ui.button("Fit").on_hover_text("Shows the whole terrain").clicked() {
+                self.map.show_all();
+                self.relief.reset();
+            }
+        });
+    }
+
+    /// The node that is shown, whether it is pinned, and which of its outputs.
+    fn shown(&mut self, ui: &mut Ui) {
+        let Some(source) = self.target() else {
+            ui.weak("nothing selected");
+            return;
+        };
+        let node = self.graph().node(source.node);
+        let (name, outputs) = (node.name.clone(), node.kind().map_or(&[][..], |k| k.outputs));
+        let mut pinned = self.pinned == Some(source.node);
+        let pin = ui.toggle_value(&mut pinned, "📌").on_hover_text("Keeps this node in the view");
+        pin.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Checkbox, true, "pin"));
+        if pin.changed() {
+            self.pinned = pinned.then_some(source.node);
+        }
+        ui.strong(name);
+        if outputs.len() > 1 {
+            let combo = egui::ComboBox::from_id_salt("shown output").selected_text(source.port);
+            combo.show_ui(ui, |ui| {
+                for port in outputs {
+                    let label = ui.selectable_label(port.name == source.port, port.name);
+                    if label.on_hover_text(port.doc).clicked() {
+                        self.output = Some(port.name);
+                    }
+                }
+            });
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! What a crash must not take: unsaved work is written to the user's own folder every few seconds and offered at the
+//! next start; and two editors on one file know of each other.
+//!
+//! A session holds a lock on a file of its own, which the system gives back when the process ends, however it ends: a
+//! session whose lock is free is over.
+
+use std::fs::{File, OpenOptions};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime};
+
+use serde::{Deserialize, Serialize};
+
+use super::document::Document;
+use crate::graph::Graph;
+
+/// How long unsaved work waits, at most.
+const EVERY: Duration = Duration::from_secs(3);
+
+/// Unsaved work as it is kept.
+#[derive(Debug, Serialize, Deserialize)]
+struct Kept {
+    path: Option<PathBuf>,
+    graph: String,
+}
+
+/// Keeps the unsaved work of one session.
+#[derive(Debug)]
+pub(crate) struct Keeper {
+    folder: PathBuf,
+    id: String,
+    /// Held as long as the session lasts.
+    _lock: File,
+    kept: Option<u64>,
+    last: Instant,
+    writing: Option<JoinHandle<std::io::Result<()>>>,
+}
+
+/// The unsaved work of a session that did not end well.
+#[derive(Clone, Debug)]
+pub(crate) struct Orphan {
+    /// The file it belongs to, if it had one.
+    pub(crate) path: Option<PathBuf>,
+    pub(crate) graph: String,
+    pub(crate) when: SystemTime,
+    files: [PathBuf; 2],
+}
+
+impl Orphan {
+    /// Throws it away.
+    pub(crate) fn forget(&self) {
+        for file in &self.files {
+            // What cannot be removed is offered again, which loses nothing.
+            let _ = std::fs::remove_file(file);
+        }
+    }
+}
+
+fn sessions(home: &Path) -> PathBuf {
+    home.join("sessions")
+}
+
+impl Keeper {
+    /// Starts a session.
+    ///
+    /// # Errors
+    /// When the folder cannot be written.
+    pub(crate) fn start(home: &Path) -> std::io::Result<Self> {
+        let folder = sessions(home);
+        std::fs::create_dir_all(&folder)?;
+        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        let id = format!("{}-{}", std::process::id(), now.as_nanos());
+        let lock = File::create(folder.join(format!("{id}.lock")))?;
+        lock.lock()?;
+        Ok(Self { folder, id, _lock: lock, kept: None, last: Instant::now(), writing: None })
+    }
+
+    fn file(&self, extension: &str) -> PathBuf {
+        self.folder.join(format!("{}.{extension}", self.id))
+    }
+
+    /// Writes unsaved work when it is time to; gives the time until then.
+    ///
+    /// # Errors
+    /// Those of the last writing, once.
+    pub(crate) fn keep(&mut self, document: &Document) -> std::io::Result<Option<Duration>> {
+        if let Some(writing) = self.writing.take_if(|w| w.is_finished()) {
+            let failed = || Err(std::io::Error::other("the writer stopped"));
+            writing.join().unwrap_or_else(|_| failed())?;
+        }
+        if !document.is_unsaved() {
+            if self.kept.take().is_some() {
+                // It may not be there any more.
+                let _ = std::fs::remove_file(self.file("json"));
+            }
+            return Ok(None);
+        }
+        if self.kept == Some(document.state()) || self.writing.is_some() {
+            return Ok(None);
+        }
+        let wait = EVERY.saturating_sub(self.last.elapsed());
+        if !wait.is_zero() {
+            return Ok(Some(wait));
+        }
+        self.last = Instant::now();
+        self.kept = Some(document.state());
+        let (graph, path) = (document.shared(), document.path().map(Path::to_owned));
+        let (folder, to) = (self.folder.clone(), self.file("json"));
+        self.writing = Some(std::thread::spawn(move || write(&graph, path, &folder, &to)));
+        Ok(None)
+    }
+
+    /// The sessions that are over and left unsaved work.
+    pub(crate) fn orphans(&self) -> Vec<Orphan> {
+        let Ok(entries) = std::fs::read_dir(&self.folder) else { return Vec::new() };
+        let mut found = Vec::new();
+        for path in entries.flatten().map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "lock"))
+        {
+            if path == self.file("lock") {
+                continue;
+            }
+            let Ok(lock) = OpenOptions::new().write(true).open(&path) else { continue };
+            if lock.try_lock().is_err() {
+                continue;
+            }
+            let kept = path.with_extension("json");
+            match orphan(&kept, &path) {
+                Some(orphan) => found.push(orphan),
+                // A session that ended with nothing unsaved and could not clear up.
+                None if !kept.exists() => _ = std::fs::remove_file(&path),
+                None => (),
+            }
+        }
+        found.sort_by_key(|o| std::cmp::Reverse(o.when));
+        found
+    }
+}
+
+impl Drop for Keeper {
+    fn drop(&mut self) {
+        if let Some(writing) = self.writing.take() {
+            let _ = writing.join();
+        }
+        let _ = std::fs::remove_file(self.file("json"));
+        let _ = std::fs::remove_file(self.file("lock"));
+    }
+}
+
+fn write(graph: &Arc<Graph>, path: Option<PathBuf>, folder: &Path, to: &Path) -> std::io::Result<()> {
+    let graph = String::from_utf8_lossy(&graph.to_bytes()).into_owned();
+    let text = serde_json::to_vec(&Kept { path, graph })?;
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    file.write_all(&text)?;
+    file.as_file().sync_all()?;
+    file.persist(to).map_err(|e| e.error)?;
+    Ok(())
+}
+
+fn orphan(kept: &Path, lock: &Path) -> Option<Orphan> {
+    let when = kept.metadata().ok()?.modified().ok()?;
+    let Kept { path, graph } = serde_json::from_slice(&std::fs::read(kept).ok()?).ok()?;
+    Some(Orphan { path, graph, when, files: [kept.to_owned(), lock.to_owned()] })
+}
+
+/// A lock on a graph file, by which a second editor sees the first.
+#[derive(Debug)]
+pub(crate) struct Claim {
+    _lock: File,
+}
+
+/// Whether a file is free to be edited.
+#[derive(Debug)]
+pub(crate) enum Claimed {
+    Ours(Claim),
+    /// Another editor has it open.
+    Taken,
+    /// It cannot be known.
+    Unknown,
+}
+
+/// Claims a graph file.
+pub(crate) fn claim(home: &Path, graph: &Path) -> Claimed {
+    let full = graph.canonicalize().unwrap_or_else(|_| graph.to_owned());
+    let name = blake3::hash(full.as_os_str().as_encoded_bytes());
+    let folder = home.join("claims");
+    let file = std::fs::create_dir_all(&folder)
+        .and_then(|()| File::create(folder.join(format!("{}.lock", &name.to_hex()[..24]))));
+    match file.map(|f| (f.try_lock(), f)) {
+        Ok((Ok(()), lock)) => Claimed::Ours(Claim { _lock: lock }),
+        Ok((Err(std::fs::TryLockError::WouldBlock), _)) => Claimed::Taken,
+        _ => Claimed::Unknown,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nodes::Registry;
+
+    fn unsaved() -> Document {
+        let mut document = Document::untitled(&Registry::standard());
+        document.edit("Add", |g| g.add("hills", "fractal_noise")).expect("adds");
+        document
+    }
+
+    fn keep_now(keeper: &mut Keeper, document: &Document) {
+        keeper.last = Instant::now() - EVERY;
+        keeper.keep(document).expect("starts");
+        if let Some(writing) = keeper.writing.take() {
+            writing.join().expect("ends").expect("writes");
+        }
+    }
+
+    #[test]
+    fn a_session_that_did_not_end_well_leaves_its_work() {
+        let home = tempfile::tempdir().expect("a folder");
+        let mut lost = Keeper::start(home.path()).expect("starts");
+        let document = unsaved();
+        keep_now(&mut lost, &document);
+        let next = Keeper::start(home.path()).expect("starts");
+        assert!(next.orphans().is_empty(), "the first session still lives");
+        // What the system does when a process is killed.
+        lost._lock.unlock().expect("unlocks");
+        std::mem::forget(lost);
+        let orphans = next.orphans();
+        assert_eq!(orphans.len(), 1);
+        let graph = Graph::from_bytes(orphans[0].graph.as_bytes(), &Registry::standard()).expect("a graph");
+        assert_eq!(graph.to_bytes(), document.graph().to_bytes());
+        orphans[0].forget();
+        assert!(next.orphans().is_empty());
+    }
+
+    #[test]
+    fn nothing_is_left_of_a_session_that_ends() {
+        let home = tempfile::tempdir().expect("a folder");
+        let mut keeper = Keeper::start(home.path()).expect("starts");
+        keep_now(&mut keeper, &unsaved());
+        drop(keeper);
+        assert_eq!(std::fs::read_dir(sessions(home.path())).expect("a folder").count(), 0);
+    }
+
+    #[test]
+    fn a_file_is_claimed_once() {
+        let home = tempfile::tempdir().expect("a folder");
+        let file = home.path().join("a.graph");
+        let first = claim(home.path(), &file);
+        assert!(matches!(first, Claimed::Ours(_)));
+        assert!(matches!(claim(home.path(), &file), Claimed::Taken));
+        drop(first);
+        assert!(matches!(claim(home.path(), &file), Claimed::Ours(_)));
+    }
+}

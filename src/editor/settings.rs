@@ -1,0 +1,64 @@
+//! What the editor remembers of its user: kept in the user's own folder, never in a graph.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::shade::Look;
+
+/// Most files that are remembered.
+const RECENT: usize = 12;
+
+/// The settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Settings {
+    pub(crate) dark: bool,
+    pub(crate) snap: bool,
+    pub(crate) look: Look,
+    pub(crate) charts: bool,
+    pub(crate) recent: Vec<PathBuf>,
+    /// Whether the first-run page was seen.
+    pub(crate) welcomed: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            dark: true,
+            snap: true,
+            look: Look::default(),
+            charts: false,
+            recent: Vec::new(),
+            welcomed: false,
+        }
+    }
+}
+
+impl Settings {
+    /// Reads them; what cannot be read has its default.
+    pub(crate) fn read(home: Option<&Path>) -> Self {
+        let text = home.and_then(|h| std::fs::read(h.join("settings.json")).ok());
+        text.and_then(|t| serde_json::from_slice(&t).ok()).unwrap_or_default()
+    }
+
+    /// Writes them, whole or not at all.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub(crate) fn write(&self, home: &Path) -> std::io::Result<()> {
+        std::fs::create_dir_all(home)?;
+        let file = tempfile::NamedTempFile::new_in(home)?;
+        serde_json::to_writer_pretty(&file, self)?;
+        file.persist(home.join("settings.json")).map_err(|e| e.error)?;
+        Ok(())
+    }
+
+    /// Remembers a file as the last that was open.
+    pub(crate) fn opened(&mut self, path: &Path) {
+        let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        self.recent.retain(|p| *p != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(RECENT);
+    }
+}

@@ -1,0 +1,178 @@
+//! Quick pictures of values for the flat view: made in milliseconds, one pixel a sample. Beautiful pictures, with cast
+//! shadows and the light of the sky, are `render`'s.
+
+use rayon::prelude::*;
+
+use crate::context::Cancel;
+use crate::kit::ramp::{Blend, Palette, Ramp};
+use crate::node::Result;
+use crate::render::{Picture, thumbnail};
+use crate::value::{Field, Quantity, Terrain, Value};
+
+/// Pixels along the longer side of what has no grid.
+const SKETCH: usize = 1024;
+/// Colour of water, sRGB.
+const WATER: [f32; 3] = [0.25, 0.42, 0.56];
+/// Colour of contour lines, sRGB.
+const INK: [f32; 3] = [0.16, 0.11, 0.07];
+
+/// How values are turned into colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(crate) enum Mode {
+    /// Heights tinted and lit from the north-west; other values as suits them.
+    #[default]
+    Relief,
+    /// A ramp of colours from the lowest to the highest value.
+    Ramp,
+    /// Grey from the lowest to the highest value.
+    Raw,
+}
+
+impl Mode {
+    pub(crate) const ALL: [Self; 3] = [Self::Relief, Self::Ramp, Self::Raw];
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Relief => "Relief",
+            Self::Ramp => "Ramp",
+            Self::Raw => "Raw",
+        }
+    }
+
+    pub(crate) const fn help(self) -> &'static str {
+        match self {
+            Self::Relief => "Heights tinted and lit from the north-west; other values as suits them",
+            Self::Ramp => "A ramp of colours from the lowest to the highest value",
+            Self::Raw => "Grey from the lowest to the highest value",
+        }
+    }
+}
+
+/// How the flat view looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(crate) struct Look {
+    pub(crate) mode: Mode,
+    /// Whether lines of equal value are drawn.
+    pub(crate) contours: bool,
+}
+
+/// A picture of a value, a pixel for each sample.
+///
+/// # Errors
+/// When the value has no samples, or the work was cancelled.
+pub(crate) fn picture(value: &Value, look: &Look, terrain: &Terrain, cancel: &Cancel) -> Result<Picture> {
+    let side = value.grid().map_or(SKETCH, |g| g.cols.max(g.rows));
+    let Value::Field(field) = value else { return thumbnail(value, side, cancel) };
+    let relief = look.mode == Mode::Relief;
+    if relief && field.quantity() != Quantity::Elevation && !look.contours {
+        return thumbnail(value, side, cancel);
+    }
+    cancel.check()?;
+    let (low, high) = field.range().unwrap_or((0.0, 0.0));
+    let scale = if high > low { 1.0 / (high - low) } else { 0.0 };
+    let ramp = match look.mode {
+        Mode::Relief if field.quantity() == Quantity::Elevation => &Palette::Hypsometric,
+        Mode::Relief | Mode::Ramp => &Palette::Viridis,
+        Mode::Raw => &Palette::Grey,
+    };
+    let ramp = Ramp::of(ramp, Blend::Smooth);
+    let lit = relief && field.quantity() == Quantity::Elevation;
+    let sea = terrain.sea_level as f32;
+    let lines = look.contours.then(|| Lines { step: contour_step(low, high) });
+    let pixel = |i: usize, j: usize| {
+        let z = field.row(j)[i];
+        let [east, south] = fall(field, i, j);
+        let mut color = ramp.color((z - low) * scale);
+        if lit {
+            let wet = z < sea;
+            let light = if wet { 1.0 } else { shade(east, south) };
+            let ground = if wet { WATER.map(|c| c * depth_shade(sea - z, high - low)) } else { color };
+            color = ground.map(|c| c * light);
+        }
+        if let Some(lines) = &lines {
+            let cell = field.grid().cell() as f32;
+            let ink = lines.ink(z, (east * east + south * south).sqrt() * cell);
+            color = [0, 1, 2].map(|k| color[k] + ink * (INK[k] - color[k]));
+        }
+        color.map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)
+    };
+    let (cols, rows) = (field.grid().cols, field.grid().rows);
+    let mut rgb = vec![[0; 3]; cols * rows];
+    rgb.par_chunks_mut(cols.max(1)).enumerate().for_each(|(j, row)| {
+        row.iter_mut().enumerate().for_each(|(i, out)| *out = pixel(i, j));
+    });
+    Ok(Picture { width: cols, height: rows, rgb })
+}
+
+/// How much the field rises to the east and to the south, per metre.
+fn fall(field: &Field, i: usize, j: usize) -> [f32; 2] {
+    let grid = field.grid();
+    let (w, e) = (i.saturating_sub(1), (i + 1).min(grid.cols - 1));
+    let (n, s) = (j.saturating_sub(1), (j + 1).min(grid.rows - 1));
+    let across = field.row(j)[e] - field.row(j)[w];
+    let along = field.row(s)[i] - field.row(n)[i];
+    let cell = grid.cell() as f32;
+    [across / (cell * (e - w).max(1) as f32), along / (cell * (s - n).max(1) as f32)]
+}
+
+/// Light on a slope: most from the north-west, some from the west and the north so that no flank is black.
+fn shade(east: f32, south: f32) -> f32 {
+    let up = 1.0 / (1.0 + east * east + south * south).sqrt();
+    let from = |x: f32, y: f32, z: f32| ((-east * x - south * y + z) * up).max(0.0);
+    // Unit vectors towards lights 45° high, 30° high and straight above.
+    let sun = from(-0.5, -0.5, 0.707);
+    let sides = from(-0.866, 0.0, 0.5) + from(0.0, -0.866, 0.5);
+    0.18 + 0.86 * sun + 0.14 * sides + 0.06 * up
+}
+
+/// Deep water is darker.
+fn depth_shade(depth: f32, relief: f32) -> f32 {
+    1.0 - 0.5 * (depth / relief.max(1.0)).clamp(0.0, 1.0)
+}
+
+/// A round distance between contour lines: about twenty of them.
+pub(crate) fn contour_step(low: f32, high: f32) -> f32 {
+    let wanted = f64::from(high - low) / 20.0;
+    if !(wanted > 0.0 && wanted.is_finite()) {
+        return 1.0;
+    }
+    let power = libm::pow(10.0, libm::floor(libm::log10(wanted)));
+    let step = [1.0, 2.0, 5.0].into_iter().find(|m| m * power >= wanted).unwrap_or(10.0);
+    (step * power) as f32
+}
+
+/// Lines of equal value, every fifth heavier.
+struct Lines {
+    step: f32,
+}
+
+impl Lines {
+    /// How much ink a pixel gets, by its value and how much the value changes over a pixel.
+    fn ink(&self, z: f32, change: f32) -> f32 {
+        let change = change.max(self.step * 1e-4);
+        let line = |step: f32, width: f32| {
+            let away = (z / step - (z / step).round()).abs() * step;
+            (width * 0.5 + 0.5 - away / change).clamp(0.0, 1.0) * (step / change / 3.0 - 0.5).clamp(0.0, 1.0)
+        };
+        (0.6 * line(self.step, 0.8)).max(0.85 * line(5.0 * self.step, 1.3))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contour_steps_are_round() {
+        assert_eq!(contour_step(0.0, 1000.0), 50.0);
+        assert_eq!(contour_step(-3.0, 1.0), 0.2);
+        assert_eq!(contour_step(5.0, 5.0), 1.0);
+    }
+
+    #[test]
+    fn slopes_towards_the_light_are_brighter() {
+        // Ground that rises to the south-east faces the north-west.
+        assert!(shade(0.5, 0.5) > shade(0.0, 0.0));
+        assert!(shade(0.0, 0.0) > shade(-0.5, -0.5));
+    }
+}

@@ -1,0 +1,84 @@
+//! Colours and shapes of things. Wires are told apart by the shape of their pins as well as by colour, and the colours
+//! are those of Okabe and Ito, which the colour-blind can tell apart.
+
+use eframe::egui::{self, Color32, Pos2, Shape, Stroke, vec2};
+
+use crate::graph::NoteColor;
+use crate::value::WireType;
+
+/// The colour of what a wire carries.
+pub(crate) fn wire_color(wire: WireType) -> Color32 {
+    match wire {
+        WireType::Field => Color32::from_rgb(86, 180, 233),
+        WireType::Vectors => Color32::from_rgb(204, 121, 167),
+        WireType::Colors => Color32::from_rgb(230, 159, 0),
+        WireType::Curves => Color32::from_rgb(0, 178, 130),
+        WireType::Constraints => Color32::from_rgb(226, 104, 20),
+    }
+}
+
+/// The pin of a wire: a circle, a triangle, a square, a diamond or a hexagon.
+pub(crate) fn pin(wire: WireType, at: Pos2, radius: f32, filled: bool) -> Shape {
+    let color = wire_color(wire);
+    let corners = |n: usize, turn: f32| {
+        let corner = |k: usize| {
+            let angle = (k as f32 + turn) / n as f32 * std::f32::consts::TAU;
+            at + vec2(libm::cosf(angle), libm::sinf(angle)) * (radius * 1.2)
+        };
+        (0..n).map(corner).collect::<Vec<_>>()
+    };
+    let fill = if filled { color } else { Color32::from_gray(24) };
+    let stroke = Stroke::new((radius * 0.32).max(1.0), color);
+    match wire {
+        WireType::Field => Shape::Circle(egui::epaint::CircleShape { center: at, radius, fill, stroke }),
+        WireType::Vectors => Shape::convex_polygon(corners(3, 0.0), fill, stroke),
+        WireType::Colors => Shape::convex_polygon(corners(4, 0.5), fill, stroke),
+        WireType::Curves => Shape::convex_polygon(corners(4, 0.0), fill, stroke),
+        WireType::Constraints => Shape::convex_polygon(corners(6, 0.0), fill, stroke),
+    }
+}
+
+/// The colour of a family of kinds, for the head of a node.
+pub(crate) fn family_color(family: &str, dark: bool) -> Color32 {
+    let [r, g, b] = match family {
+        "generate" => [70, 110, 78],
+        "files" => [96, 96, 104],
+        "curves" => [42, 108, 108],
+        "blend" => [128, 92, 48],
+        "filter" => [62, 88, 132],
+        "select" => [104, 74, 124],
+        _ => [84, 84, 90],
+    };
+    let lift = |c: u8| if dark { c } else { 255 - (255 - c) / 2 };
+    Color32::from_rgb(lift(r), lift(g), lift(b))
+}
+
+/// The colour of a note.
+pub(crate) fn note_color(color: NoteColor) -> Color32 {
+    match color {
+        NoteColor::Grey => Color32::from_rgb(120, 124, 132),
+        NoteColor::Blue => Color32::from_rgb(70, 126, 190),
+        NoteColor::Green => Color32::from_rgb(72, 148, 92),
+        NoteColor::Yellow => Color32::from_rgb(192, 168, 60),
+        NoteColor::Orange => Color32::from_rgb(204, 126, 50),
+        NoteColor::Red => Color32::from_rgb(190, 78, 78),
+        NoteColor::Violet => Color32::from_rgb(134, 96, 180),
+    }
+}
+
+/// Errors.
+pub(crate) const ERROR: Color32 = Color32::from_rgb(222, 84, 70);
+/// Warnings.
+pub(crate) const WARNING: Color32 = Color32::from_rgb(224, 170, 52);
+/// What is chosen.
+pub(crate) const CHOSEN: Color32 = Color32::from_rgb(255, 196, 84);
+
+/// The look of all windows.
+pub(crate) fn apply(ctx: &egui::Context) {
+    ctx.all_styles_mut(|style| {
+        style.spacing.item_spacing = vec2(6.0, 5.0);
+        style.spacing.slider_width = 120.0;
+        style.visuals.widgets.noninteractive.corner_radius = 4.into();
+        style.interaction.tooltip_delay = 0.35;
+    });
+}

@@ -1,0 +1,303 @@
+//! The flat view: a picture of the values from above, with a read-out, a profile and contour lines.
+
+use eframe::egui::{
+    self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sense, Stroke, TextureHandle, TextureOptions,
+    Ui, Vec2, pos2, vec2,
+};
+
+use super::chart;
+use crate::editor::board::{Board, Shown};
+use crate::editor::canvas::camera::{Camera, View};
+use crate::editor::shade::Look;
+use crate::editor::{image_of, theme};
+use crate::value::{Bounds, Field, Terrain, Value};
+
+/// The state of the flat view.
+pub(crate) struct MapView {
+    pub(crate) look: Look,
+    /// Whether the profile and the histogram are shown.
+    pub(crate) charts: bool,
+    camera: Option<Camera>,
+    texture: Option<(u64, TextureHandle)>,
+    /// A line on the terrain, in metres.
+    profile: Option<[[f64; 2]; 2]>,
+    drawing: bool,
+}
+
+impl MapView {
+    pub(crate) fn new(look: Look, charts: bool) -> Self {
+        Self { look, charts, camera: None, texture: None, profile: None, drawing: false }
+    }
+
+    /// Shows the whole terrain again.
+    pub(crate) fn show_all(&mut self) {
+        self.camera = None;
+    }
+
+    /// Samples along the longer side that the view can use.
+    pub(crate) fn wanted(&self, pixels: Vec2) -> u32 {
+        let long = pixels.x.min(pixels.y).max(64.0);
+        let fit = [129, 257, 513, 1025].into_iter().find(|n| *n as f32 >= 0.8 * long);
+        fit.unwrap_or(1025)
+    }
+
+    pub(crate) fn show(&mut self, ui: &mut Ui, board: &Board, terrain: &Terrain) {
+        let (screen, ground) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        ground.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "map view"));
+        ui.painter().rect_filled(screen, 0.0, ui.visuals().extreme_bg_color);
+        self.texture(ui, board);
+        let bounds = terrain.bounds();
+        let view = self.travel(ui, screen, &ground, &bounds);
+        let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(screen));
+        ui.set_clip_rect(screen.intersect(ui.clip_rect()));
+        let Some(shown) = &board.shown else {
+            self.empty(&ui, screen, board);
+            return;
+        };
+        let painter = ui.painter();
+        if let Some((_, texture)) = &self.texture {
+            let rect = view.rect(extent(shown, &bounds));
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            painter.image(texture.id(), rect, whole, Color32::WHITE);
+        }
+        self.profile(&ui, &view, &ground, shown);
+        let pointer = ui.input(|i| i.pointer.hover_pos()).filter(|p| ground.hovered() && screen.contains(*p));
+        self.read_out(&ui, &view, screen, pointer, shown);
+        if let Some((_, why)) = &board.failure {
+            let text = format!("This is not up to date: {why}");
+            let galley =
+                painter.layout(text, FontId::proportional(13.0), theme::ERROR, screen.width() - 24.0);
+            painter.galley(screen.left_top() + vec2(12.0, 12.0), galley, theme::ERROR);
+        }
+    }
+
+    fn empty(&self, ui: &Ui, screen: Rect, board: &Board) {
+        let text = match (&board.failure, board.busy) {
+            (Some((_, why)), _) => why.clone(),
+            (None, true) => "Working…".to_owned(),
+            (None, false) => "Select a node to see its terrain.".to_owned(),
+        };
+        let color = if board.failure.is_some() { theme::ERROR } else { ui.visuals().weak_text_color() };
+        let galley = ui.painter().layout(text, FontId::proportional(14.0), color, screen.width() * 0.8);
+        ui.painter().galley(screen.center() - galley.size() * 0.5, galley, color);
+    }
+
+    fn texture(&mut self, ui: &Ui, board: &Board) {
+        let Some(shown) = &board.shown else {
+            self.texture = None;
+            return;
+        };
+        if self.texture.as_ref().is_none_or(|(n, _)| *n != board.showings) {
+            let options =
+                TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
+            let texture = ui.ctx().load_texture("map view", image_of(&shown.picture), options);
+            self.texture = Some((board.showings, texture));
+        }
+    }
+
+    /// Pans and zooms. The canvas of this view is the terrain, in units of a thousandth of its longer side.
+    fn travel(&mut self, ui: &Ui, screen: Rect, ground: &egui::Response, bounds: &Bounds) -> View {
+        let whole = unit_rect(bounds);
+        let camera = self.camera.get_or_insert_with(|| {
+            let room = (screen.size() - vec2(16.0, 16.0)).max(vec2(40.0, 40.0));
+            let zoom = (room.x / whole.width()).min(room.y / whole.height());
+            Camera { middle: whole.center().to_vec2(), zoom }
+        });
+        let at = ui.input(|i| i.pointer.hover_pos()).filter(|_| ground.hovered());
+        if let Some(at) = at {
+            let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+            let factor = pinch * libm::expf(scroll * 0.004);
+            if factor != 1.0 {
+                let fixed = View { camera: *camera, screen }.world(at).to_vec2();
+                let zoom = (camera.zoom * factor).clamp(0.05, 200.0);
+                camera.middle = fixed + (camera.middle - fixed) * (camera.zoom / zoom);
+                camera.zoom = zoom;
+            }
+        }
+        let pans = [PointerButton::Middle, PointerButton::Secondary];
+        let hand =
+            ground.dragged_by(PointerButton::Primary) && !self.drawing && !ui.input(|i| i.modifiers.shift);
+        if hand || pans.iter().any(|b| ground.dragged_by(*b)) {
+            camera.middle -= ground.drag_delta() / camera.zoom;
+        }
+        let view = View { camera: *camera, screen };
+        if ground.double_clicked() {
+            self.camera = None;
+        }
+        view
+    }
+
+    /// Draws the line of the profile: Shift and drag.
+    fn profile(&mut self, ui: &Ui, view: &View, ground: &egui::Response, shown: &Shown) {
+        let metres = |p: Pos2| to_metres(view.world(p), shown);
+        let shift = ui.input(|i| i.modifiers.shift);
+        if ground.drag_started_by(PointerButton::Primary) && shift {
+            let from = ui.input(|i| i.pointer.press_origin()).map(metres);
+            self.profile = from.map(|p| [p, p]);
+            self.drawing = true;
+            self.charts = true;
+        }
+        if let (true, Some(at), Some(line)) = (self.drawing, ground.interact_pointer_pos(), &mut self.profile)
+        {
+            line[1] = metres(at);
+        }
+        if ground.drag_stopped() {
+            self.drawing = false;
+        }
+        if let Some(line) = self.profile {
+            let ends = line.map(|p| view.pos(from_metres(p, shown)));
+            ui.painter().line_segment(ends, Stroke::new(4.0, Color32::from_black_alpha(160)));
+            ui.painter().line_segment(ends, Stroke::new(2.0, theme::CHOSEN));
+        }
+    }
+
+    fn read_out(&self, ui: &Ui, view: &View, screen: Rect, pointer: Option<Pos2>, shown: &Shown) {
+        let mut parts = Vec::new();
+        if let Some(pointer) = pointer {
+            let at = to_metres(view.world(pointer), shown);
+            parts.push(format!("x {:.0} m  y {:.0} m", at[0], at[1]));
+            parts.extend(value_at(&shown.value, at));
+        }
+        if shown.draft {
+            parts.push("draft".to_owned());
+        } else if let Some(cell) = shown.effective_cell {
+            parts.push(format!("detail to {cell:.1} m"));
+        }
+        let text = parts.join("   ");
+        let font = FontId::monospace(12.0);
+        let galley = ui.painter().layout_no_wrap(text, font, Color32::WHITE);
+        let at = Align2::LEFT_BOTTOM.anchor_size(screen.left_bottom() + vec2(10.0, -10.0), galley.size());
+        ui.painter().rect_filled(at.expand(5.0), 4.0, Color32::from_black_alpha(150));
+        ui.painter().galley(at.min, galley, Color32::WHITE);
+    }
+
+    /// The profile along the drawn line and the histogram of all values.
+    pub(crate) fn charts(&self, ui: &mut Ui, board: &Board) {
+        let Some(Value::Field(field)) = board.shown.as_ref().map(|s| &s.value) else {
+            ui.weak("Charts show fields.");
+            return;
+        };
+        let width = ui.available_width();
+        ui.horizontal(|ui| {
+            let size = vec2(0.6 * width - 8.0, ui.available_height());
+            match self.profile {
+                Some(line) => {
+                    chart::profile(ui, size, &along(field, line), length(line), field.quantity().unit())
+                }
+                None => chart::hint(ui, size, "Shift-drag over the map for a profile"),
+            }
+            chart::histogram(ui, vec2(0.4 * width - 8.0, ui.available_height()), field);
+        });
+    }
+}
+
+fn length([a, b]: [[f64; 2]; 2]) -> f64 {
+    let (x, y) = (b[0] - a[0], b[1] - a[1]);
+    (x * x + y * y).sqrt()
+}
+
+/// Values of a field along a line.
+fn along(field: &Field, [a, b]: [[f64; 2]; 2]) -> Vec<f32> {
+    let steps = 400;
+    let at = |k: i32| {
+        let t = f64::from(k) / f64::from(steps);
+        sample(field, [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t])
+    };
+    (0..=steps).map(at).collect()
+}
+
+/// A field between its samples; beyond its border the border's value.
+fn sample(field: &Field, at: [f64; 2]) -> f32 {
+    let grid = field.grid();
+    let [u, v] = grid.lattice.steps(at[0], at[1]);
+    let split = |w: f64, first: i64, n: usize| {
+        let w = (w - first as f64).clamp(0.0, (n - 1) as f64);
+        let i = (w as usize).min(n.saturating_sub(2));
+        (i, (w - i as f64) as f32, (i + 1).min(n - 1))
+    };
+    let (i, s, i1) = split(u, grid.col, grid.cols);
+    let (j, t, j1) = split(v, grid.row, grid.rows);
+    let (a, b) = (field.row(j), field.row(j1));
+    let top = a[i] + (a[i1] - a[i]) * s;
+    let bottom = b[i] + (b[i1] - b[i]) * s;
+    top + (bottom - top) * t
+}
+
+fn value_at(value: &Value, at: [f64; 2]) -> Option<String> {
+    let unit = |u: &str| if u == "1" { String::new() } else { format!(" {u}") };
+    match value {
+        Value::Field(f) => {
+            let digits = if f.quantity().unit() == "m" { 1 } else { 3 };
+            Some(format!("{:.digits$}{}", sample(f, at), unit(f.quantity().unit())))
+        }
+        Value::Vectors(v) => {
+            let [i, j] = nearest(v.grid(), at);
+            let [x, y] = v.row(j)[i];
+            Some(format!("({x:.3}, {y:.3})"))
+        }
+        Value::Colors(c) => {
+            let [i, j] = nearest(c.grid(), at);
+            let [r, g, b] = c.row(j)[i].map(|c| (c * 255.0).round() as u8);
+            Some(format!("#{r:02x}{g:02x}{b:02x}"))
+        }
+        Value::Constraints(c) => {
+            let cell = nearest(c.grid(), at);
+            let height = c.height(cell).map(|h| format!("height {h:.1} m"));
+            let slope = c.gradient(cell).map(|(_, s)| format!("slope {:.1}°", f64::from(s).atan_degrees()));
+            let all: Vec<_> = height.into_iter().chain(slope).collect();
+            Some(if all.is_empty() { "nothing is said".to_owned() } else { all.join(", ") })
+        }
+        Value::Curves(_) => None,
+    }
+}
+
+trait AtanDegrees {
+    fn atan_degrees(self) -> f64;
+}
+
+impl AtanDegrees for f64 {
+    fn atan_degrees(self) -> f64 {
+        libm::atan(self).to_degrees()
+    }
+}
+
+fn nearest(grid: &crate::value::Grid, at: [f64; 2]) -> [usize; 2] {
+    let [u, v] = grid.lattice.steps(at[0], at[1]);
+    let index = |w: f64, first: i64, n: usize| (w - first as f64).round().clamp(0.0, (n - 1) as f64) as usize;
+    [index(u, grid.col, grid.cols), index(v, grid.row, grid.rows)]
+}
+
+/// The terrain in units of a thousandth of its longer side.
+fn unit_rect(bounds: &Bounds) -> Rect {
+    let scale = unit(bounds);
+    Rect::from_min_size(
+        pos2(0.0, 0.0),
+        vec2((bounds.width() * scale) as f32, (bounds.depth() * scale) as f32),
+    )
+}
+
+fn unit(bounds: &Bounds) -> f64 {
+    1000.0 / bounds.width().max(bounds.depth()).max(1e-9)
+}
+
+/// The area of a picture: half a cell beyond the outermost samples.
+fn extent(shown: &Shown, terrain: &Bounds) -> Rect {
+    let Some(grid) = shown.value.grid() else { return unit_rect(terrain) };
+    let (b, half) = (grid.bounds(), 0.5 * grid.cell());
+    let scale = unit(terrain);
+    let at =
+        |x: f64, y: f64| pos2(((x - terrain.min[0]) * scale) as f32, ((y - terrain.min[1]) * scale) as f32);
+    Rect::from_min_max(at(b.min[0] - half, b.min[1] - half), at(b.max[0] + half, b.max[1] + half))
+}
+
+fn to_metres(at: Pos2, shown: &Shown) -> [f64; 2] {
+    let bounds = &shown.bounds;
+    let scale = unit(bounds);
+    [bounds.min[0] + f64::from(at.x) / scale, bounds.min[1] + f64::from(at.y) / scale]
+}
+
+fn from_metres(at: [f64; 2], shown: &Shown) -> Pos2 {
+    let bounds = &shown.bounds;
+    let scale = unit(bounds);
+    pos2(((at[0] - bounds.min[0]) * scale) as f32, ((at[1] - bounds.min[1]) * scale) as f32)
+}

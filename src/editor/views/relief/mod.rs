@@ -1,0 +1,152 @@
+//! The relief view: the terrain in space, drawn from its samples by the graphics device, under the picture that the
+//! flat view or the renderer made of it.
+
+mod device;
+mod orbit;
+mod pieces;
+
+use std::sync::Arc;
+
+use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Sense, Ui, vec2};
+use eframe::egui_wgpu::Callback;
+use eframe::wgpu::TextureFormat;
+use glam::Vec3;
+
+use device::{Frame, Terrain};
+use orbit::Orbit;
+use pieces::Sight;
+
+use crate::editor::board::{Board, Shown};
+use crate::value::{Field, Quantity, Value};
+
+/// The most samples along a side that a device is sure to take as a texture.
+const MOST: usize = 8192;
+
+/// The state of the relief view.
+pub(crate) struct ReliefView {
+    pub(crate) exaggeration: f32,
+    pub(crate) water: bool,
+    /// Pixels that a quad may take.
+    pub(crate) coarseness: f32,
+    orbit: Orbit,
+    /// The format of the window; without one there is no device to draw with.
+    format: Option<TextureFormat>,
+}
+
+impl ReliefView {
+    pub(crate) fn new(format: Option<TextureFormat>) -> Self {
+        Self { exaggeration: 1.0, water: true, coarseness: 2.5, orbit: Orbit::default(), format }
+    }
+
+    /// Stands where it stood at first.
+    pub(crate) fn reset(&mut self) {
+        self.orbit = Orbit::default();
+    }
+
+    pub(crate) fn show(&mut self, ui: &mut Ui, board: &Board, sea_level: f64) {
+        let (rect, ground) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        ground.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "relief view"));
+        let background = ui.visuals().extreme_bg_color;
+        ui.painter().rect_filled(rect, 0.0, background);
+        self.steer(ui, &ground);
+        let shown = board.shown.as_ref();
+        let terrain = shown.and_then(|shown| terrain(shown, board));
+        let (Some(terrain), Some(format)) = (terrain, self.format) else {
+            let text = match (shown, self.format) {
+                (_, None) => "There is no graphics device to draw with.",
+                (None, _) => "Select a node to see its terrain.",
+                (Some(_), _) => {
+                    "This is no height: see it in the map, or pin the height and look from there."
+                }
+            };
+            let (font, color) = (FontId::proportional(14.0), ui.visuals().weak_text_color());
+            ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, color);
+            return;
+        };
+        let draft = shown.is_some_and(|s| s.draft);
+        let sight = self.sight(&terrain.height, rect.size(), ui.pixels_per_point());
+        let size = rect.size() * ui.pixels_per_point();
+        let pixels = [size.x, size.y].map(|v| (v.round() as u32).clamp(1, 8192));
+        let background = [background.r(), background.g(), background.b()].map(|c| f32::from(c) / 255.0);
+        let low = terrain.height.range().map_or(0.0, |(low, _)| low);
+        let sea = sea_level as f32;
+        let water = (self.water && sea > low).then_some(sea);
+        let frame =
+            Frame { terrain, sight, exaggeration: self.exaggeration, water, background, pixels, format };
+        ui.painter().add(Callback::new_paint_callback(rect, frame));
+        if draft {
+            let at = rect.left_bottom() + vec2(12.0, -10.0);
+            ui.painter().text(at, Align2::LEFT_BOTTOM, "draft", FontId::monospace(12.0), Color32::WHITE);
+        }
+    }
+
+    /// Orbits, pans, zooms and flies.
+    fn steer(&mut self, ui: &Ui, ground: &egui::Response) {
+        let size = ground.rect.size().max(vec2(1.0, 1.0));
+        let by = ground.drag_delta();
+        let shift = ui.input(|i| i.modifiers.shift);
+        if ground.dragged_by(PointerButton::Primary) && !shift {
+            self.orbit.turn(by.x / size.x * 240.0, by.y / size.y * 140.0);
+        } else if ground.dragged() {
+            self.orbit.pan(by.x / size.y, by.y / size.y);
+        }
+        if ground.double_clicked() {
+            self.reset();
+        }
+        if !ground.hovered() && !ground.dragged() {
+            return;
+        }
+        let (scroll, pinch, dt) =
+            ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta(), i.stable_dt.min(0.1)));
+        let factor = pinch * libm::expf(scroll * 0.003);
+        if factor != 1.0 {
+            self.orbit.zoom(factor);
+        }
+        let flying = ground.dragged() || ground.has_focus();
+        let key = |k: egui::Key| ui.input(|i| i.key_down(k)) && flying;
+        let axis = |more, less| f32::from(u8::from(key(more))) - f32::from(u8::from(key(less)));
+        use egui::Key::{A, D, E, Q, S, W};
+        let (ahead, right, up) = (axis(W, S), axis(D, A), axis(E, Q));
+        if (ahead, right, up) != (0.0, 0.0, 0.0) {
+            self.orbit.fly(ahead * dt, right * dt, up * dt);
+            ui.ctx().request_repaint();
+        }
+    }
+
+    fn sight(&self, height: &Field, size: egui::Vec2, points: f32) -> Sight {
+        let grid = height.grid();
+        let cell = grid.cell() as f32;
+        let half = |n: usize| 0.5 * (n - 1) as f32 * cell;
+        let corner = [-half(grid.cols), -half(grid.rows)];
+        let unit = (2.0 * half(grid.cols.max(grid.rows))).max(1e-3);
+        let (low, high) = height.range().unwrap_or((0.0, 0.0));
+        let reach = 0.5 * (high - low) * self.exaggeration;
+        let to_screen = self.orbit.to_screen(size.x / size.y.max(1.0), unit);
+        let eye: Vec3 = self.orbit.eye() * unit;
+        Sight {
+            to_screen,
+            eye,
+            cols: grid.cols as u32,
+            rows: grid.rows as u32,
+            corner,
+            cell,
+            heights: [-reach, reach],
+            pixels: size.y * points,
+            coarseness: self.coarseness,
+        }
+    }
+}
+
+/// The terrain of what is shown, under its best picture; none where it is no height.
+fn terrain(shown: &Shown, board: &Board) -> Option<Terrain> {
+    let Value::Field(height) = &shown.value else { return None };
+    let grid = height.grid();
+    let fits = (2..=MOST).contains(&grid.cols) && (2..=MOST).contains(&grid.rows);
+    if !fits || !matches!(height.quantity(), Quantity::Elevation | Quantity::Length) {
+        return None;
+    }
+    let lit = board.lit.as_ref().filter(|(showing, _)| *showing == board.showings).map(|(_, p)| p.clone());
+    let picture_id = board.showings * 2 + u64::from(lit.is_some());
+    let picture = lit.unwrap_or_else(|| Arc::clone(&shown.picture));
+    Some(Terrain { id: board.showings, height: height.clone(), picture_id, picture })
+}

@@ -1,0 +1,128 @@
+//! The eye of the relief view: it circles around a point of the ground, or flies.
+
+use glam::camera::rh::proj::directx::perspective;
+use glam::camera::rh::view::look_at_mat4;
+use glam::{Mat4, Vec3};
+
+/// Vertical field of view.
+const FIELD_OF_VIEW: f32 = 38.0;
+/// Least and most height of the eye over the horizon, in degrees.
+const PITCH: [f32; 2] = [-10.0, 89.0];
+
+/// Where the eye is: lengths in units of the longer side of the terrain, so that it serves terrains of any size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Orbit {
+    /// What is looked at, from the middle of the terrain: east, south, up.
+    pub(crate) target: Vec3,
+    /// Compass direction that the eye looks from, in degrees.
+    pub(crate) azimuth: f32,
+    /// Height of the eye over the horizon, in degrees.
+    pub(crate) pitch: f32,
+    pub(crate) distance: f32,
+}
+
+impl Default for Orbit {
+    fn default() -> Self {
+        Self { target: Vec3::ZERO, azimuth: 200.0, pitch: 32.0, distance: 1.45 }
+    }
+}
+
+impl Orbit {
+    /// From the target to the eye, of length one.
+    fn outward(&self) -> Vec3 {
+        let (a, p) = (self.azimuth.to_radians(), self.pitch.to_radians());
+        let flat = libm::cosf(p);
+        Vec3::new(libm::sinf(a) * flat, -libm::cosf(a) * flat, libm::sinf(p))
+    }
+
+    pub(crate) fn eye(&self) -> Vec3 {
+        self.target + self.outward() * self.distance
+    }
+
+    /// Turns around the target.
+    pub(crate) fn turn(&mut self, right: f32, up: f32) {
+        self.azimuth = (self.azimuth + right).rem_euclid(360.0);
+        self.pitch = (self.pitch + up).clamp(PITCH[0], PITCH[1]);
+    }
+
+    /// Moves the target along the ground, by shares of the height of the view.
+    pub(crate) fn pan(&mut self, right: f32, down: f32) {
+        let scale = self.distance * 2.0 * libm::tanf(0.5 * FIELD_OF_VIEW.to_radians());
+        let (east, forward) = self.axes();
+        self.target += (east * -right + forward * down) * scale;
+        self.hold();
+    }
+
+    /// Flies: the eye and the target move along the line of sight and across it.
+    pub(crate) fn fly(&mut self, ahead: f32, right: f32, up: f32) {
+        let (east, _) = self.axes();
+        self.target += (-self.outward() * ahead + east * right + Vec3::Z * up) * self.distance;
+        self.hold();
+    }
+
+    /// Comes nearer or goes away by a factor.
+    pub(crate) fn zoom(&mut self, factor: f32) {
+        self.distance = (self.distance / factor).clamp(0.01, 6.0);
+    }
+
+    /// Keeps the target over the terrain, so that the terrain is not lost from sight.
+    fn hold(&mut self) {
+        self.target = self.target.clamp(Vec3::splat(-1.0), Vec3::splat(1.0));
+    }
+
+    /// To the right and ahead, along the ground.
+    fn axes(&self) -> (Vec3, Vec3) {
+        let a = self.azimuth.to_radians();
+        let (sin, cos) = (libm::sinf(a), libm::cosf(a));
+        (Vec3::new(cos, sin, 0.0) * -1.0, Vec3::new(-sin, cos, 0.0))
+    }
+
+    /// From metres around the middle of the terrain to the screen; `unit` is the longer side in metres.
+    pub(crate) fn to_screen(&self, aspect: f32, unit: f32) -> Mat4 {
+        let (eye, target) = (self.eye() * unit, self.target * unit);
+        let near = (self.distance * unit * 0.01).max(0.05);
+        let far = (self.distance + 4.0) * unit;
+        // South is down on the map: the hand of the axes changes, which one mirrored axis mends.
+        let flip = Mat4::from_scale(Vec3::new(1.0, -1.0, 1.0));
+        let mirrored = |v: Vec3| Vec3::new(v.x, -v.y, v.z);
+        let view = look_at_mat4(mirrored(eye), mirrored(target), Vec3::Z);
+        perspective(FIELD_OF_VIEW.to_radians(), aspect.max(0.01), near, far) * view * flip
+    }
+
+    /// Size on the screen, in shares of its height, of a length at a distance.
+    pub(crate) fn share(length: f32, distance: f32) -> f32 {
+        length / (distance.max(1e-6) * 2.0 * libm::tanf(0.5 * FIELD_OF_VIEW.to_radians()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_target_is_in_the_middle_and_east_is_right_when_looking_north() {
+        let orbit = Orbit { azimuth: 180.0, ..Orbit::default() };
+        let to_screen = orbit.to_screen(1.5, 8000.0);
+        let at = |v: Vec3| to_screen.project_point3(v);
+        let middle = at(Vec3::ZERO);
+        assert!(middle.x.abs() < 1e-5 && middle.y.abs() < 1e-5 && (0.0..1.0).contains(&middle.z));
+        assert!(at(Vec3::new(1000.0, 0.0, 0.0)).x > 0.05, "east is right");
+        assert!(at(Vec3::new(0.0, -1000.0, 0.0)).y > 0.02, "north is ahead");
+        assert!(at(Vec3::new(0.0, 0.0, 1000.0)).y > 0.05, "up is up");
+    }
+
+    #[test]
+    fn panning_follows_the_hand() {
+        for azimuth in [0.0, 90.0, 180.0, 270.0, 33.0] {
+            let mut orbit = Orbit { azimuth, ..Orbit::default() };
+            let before = orbit.to_screen(1.0, 1000.0).project_point3(Vec3::ZERO);
+            orbit.pan(0.1, 0.0);
+            let after = orbit.to_screen(1.0, 1000.0).project_point3(Vec3::ZERO);
+            assert!(after.x > before.x + 0.05, "{azimuth}: {before} {after}");
+            let mut orbit = Orbit { azimuth, ..Orbit::default() };
+            orbit.pan(0.0, 0.1);
+            let after = orbit.to_screen(1.0, 1000.0).project_point3(Vec3::ZERO);
+            assert!(after.y < before.y - 0.02, "{azimuth}: {before} {after}");
+        }
+    }
+}

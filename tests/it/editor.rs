@@ -1,0 +1,203 @@
+//! The editor: a hand that clicks, drags and types, and the document that comes of it.
+#![allow(clippy::unwrap_used, reason = "a test stops where something fails")]
+
+mod canvas;
+mod files;
+mod panels;
+mod pictures;
+mod view;
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use orograph::editor::{Answer, Editor, Setup};
+use orograph::engine::Options;
+use orograph::graph::Graph;
+
+/// A window, and the editor in it once the first frame was drawn.
+pub(crate) struct Window(Harness<'static, Option<Editor>>);
+
+pub(crate) const PRESET: &str = "graphs/first_light.graph";
+
+/// A copy of a preset in a folder of its own.
+pub(crate) fn preset(folder: &Path) -> PathBuf {
+    let path = folder.join("first_light.graph");
+    std::fs::copy(PRESET, &path).unwrap();
+    path
+}
+
+impl Window {
+    pub(crate) fn empty() -> Self {
+        Self::of(Setup { home: None, asker: Box::new(|_, _, _| Answer::known(None)), ..Setup::default() })
+    }
+
+    pub(crate) fn on(path: &Path) -> Self {
+        let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
+        Self::of(Setup { path: Some(path.to_owned()), home: None, asker, ..Setup::default() })
+    }
+
+    pub(crate) fn of(mut setup: Setup) -> Self {
+        setup.options = Options { threads: 1, memory: 2 << 30, ..Options::default() };
+        let mut setup = Some(setup);
+        let frame = move |ui: &mut eframe::egui::Ui, editor: &mut Option<Editor>| {
+            if editor.is_none() {
+                *editor = setup.take().map(|setup| Editor::new(ui.ctx(), setup));
+            }
+            editor.as_mut().unwrap().frame(ui);
+        };
+        let builder = Harness::builder().with_size([1280.0, 800.0]).with_step_dt(1.0 / 30.0);
+        let mut window = Self(builder.build_ui_state(frame, None));
+        window.steps(3);
+        if window.0.query_by_label("Empty graph").is_some() {
+            window.click("Empty graph");
+        }
+        window
+    }
+
+    pub(crate) fn steps(&mut self, n: usize) {
+        self.0.run_steps(n);
+    }
+
+    pub(crate) fn editor(&self) -> &Editor {
+        self.0.state().as_ref().unwrap()
+    }
+
+    pub(crate) fn graph(&self) -> &Graph {
+        self.editor().document().graph()
+    }
+
+    /// What the node of a name reads at an input.
+    pub(crate) fn reads(&self, node: &str, input: &str) -> Option<String> {
+        let graph = self.graph();
+        graph.source(graph.find(node).unwrap(), input).map(|s| graph.source_text(s))
+    }
+
+    pub(crate) fn at(&self, label: &str) -> Pos2 {
+        self.0.get_by_label(label).rect().center()
+    }
+
+    pub(crate) fn sees(&self, label: &str) -> bool {
+        self.0.query_all_by_label_contains(label).next().is_some()
+    }
+
+    pub(crate) fn click(&mut self, label: &str) {
+        self.0.get_by_label(label).click();
+        self.steps(3);
+    }
+
+    pub(crate) fn key(&mut self, key: Key) {
+        self.keys(Modifiers::NONE, key);
+    }
+
+    pub(crate) fn keys(&mut self, modifiers: Modifiers, key: Key) {
+        self.0.key_press_modifiers(modifiers, key);
+        self.steps(2);
+    }
+
+    pub(crate) fn text(&mut self, text: &str) {
+        self.0.event(Event::Text(text.to_owned()));
+        self.steps(2);
+    }
+
+    pub(crate) fn hover(&mut self, at: Pos2) {
+        self.0.hover_at(at);
+        self.steps(1);
+    }
+
+    pub(crate) fn button(&mut self, at: Pos2, pressed: bool) {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        self.0.event(Event::PointerButton { pos: at, button, pressed, modifiers });
+        self.steps(1);
+    }
+
+    /// Types a number into the field at the right end of a slider.
+    pub(crate) fn type_into(&mut self, slider: &str, text: &str) {
+        let rect = self.0.get_by_role_and_label(Role::Slider, slider).rect();
+        let at = pos2(rect.right() - 14.0, rect.center().y);
+        self.hover(at);
+        self.button(at, true);
+        self.button(at, false);
+        self.steps(2);
+        self.keys(Modifiers::COMMAND, Key::A);
+        self.text(text);
+        self.key(Key::Enter);
+        self.steps(2);
+    }
+
+    /// Presses at a place, moves to others and lets go at the last.
+    pub(crate) fn drag(&mut self, way: &[Pos2]) {
+        self.press_and_move(way);
+        self.button(*way.last().unwrap(), false);
+        self.steps(2);
+    }
+
+    pub(crate) fn press_and_move(&mut self, way: &[Pos2]) {
+        self.hover(way[0]);
+        self.button(way[0], true);
+        for pair in way.windows(2) {
+            for k in 1..=4 {
+                self.hover(pair[0] + (pair[1] - pair[0]) * (k as f32 / 4.0));
+            }
+        }
+        self.steps(1);
+    }
+
+    pub(crate) fn double_click(&mut self, at: Pos2) {
+        self.hover(at);
+        for _ in 0..2 {
+            self.button(at, true);
+            self.button(at, false);
+        }
+        self.steps(2);
+    }
+
+    /// The text that the last frames put on the clipboard.
+    pub(crate) fn copied(&mut self) -> String {
+        self.0.event(Event::Copy);
+        for _ in 0..3 {
+            self.0.step();
+            let commands = &self.0.output().platform_output.commands;
+            let text = commands.iter().find_map(|c| match c {
+                OutputCommand::CopyText(text) => Some(text.clone()),
+                _ => None,
+            });
+            if let Some(text) = text {
+                return text;
+            }
+        }
+        panic!("nothing was copied");
+    }
+
+    pub(crate) fn paste(&mut self, text: &str) {
+        self.0.event(Event::Paste(text.to_owned()));
+        self.steps(2);
+    }
+
+    /// Adds a node by the search, with its corner near a place.
+    pub(crate) fn add(&mut self, at: Pos2, query: &str) {
+        self.hover(at);
+        self.key(Key::Tab);
+        self.text(query);
+        self.key(Key::Enter);
+    }
+
+    /// Waits until everything that is in sight is evaluated.
+    pub(crate) fn settle(&mut self) {
+        let start = Instant::now();
+        while self.editor().is_busy() {
+            assert!(start.elapsed() < Duration::from_secs(120), "it does not come to an end");
+            std::thread::sleep(Duration::from_millis(10));
+            self.steps(1);
+        }
+        self.steps(2);
+    }
+}
+
+/// A place on the empty canvas of the test window.
+pub(crate) fn ground(x: f32, y: f32) -> Pos2 {
+    pos2(40.0 + x, 520.0 + y)
+}

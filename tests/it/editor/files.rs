@@ -1,0 +1,123 @@
+//! Files: saved, changed by others, recovered.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use eframe::egui::{Key, Modifiers};
+use orograph::editor::{Answer, Setup};
+use orograph::graph::Graph;
+
+use super::{PRESET, Window, ground, preset};
+
+fn with_home(home: &Path, path: Option<&Path>) -> Window {
+    Window::of(Setup {
+        path: path.map(Path::to_owned),
+        home: Some(home.to_owned()),
+        asker: Box::new(|_, _, _| Answer::known(None)),
+        ..Setup::default()
+    })
+}
+
+#[test]
+fn saves_where_it_is_asked_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path().join("new.graph");
+    let answer = to.clone();
+    let asker = Box::new(move |_, _: Option<&Path>, _: &_| Answer::known(Some(answer.clone())));
+    let mut window = Window::of(Setup { home: None, asker, ..Setup::default() });
+    window.add(ground(20.0, 30.0), "fractal");
+    window.keys(Modifiers::COMMAND, Key::S);
+    window.steps(3);
+    assert_eq!(std::fs::read(&to).unwrap(), window.graph().to_bytes());
+    assert!(!window.editor().document().is_unsaved());
+}
+
+#[test]
+fn opening_a_graph_writes_nothing_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let home = tempfile::tempdir().unwrap();
+    let path = preset(folder.path());
+    let mut window = with_home(home.path(), Some(&path));
+    window.settle();
+    drop(window);
+    let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().flatten().map(|e| e.file_name()).collect();
+    assert_eq!(names, ["first_light.graph"]);
+    assert_eq!(std::fs::read(&path).unwrap(), std::fs::read(PRESET).unwrap());
+}
+
+#[test]
+fn a_second_editor_on_a_file_is_warned() {
+    let folder = tempfile::tempdir().unwrap();
+    let home = tempfile::tempdir().unwrap();
+    let path = preset(folder.path());
+    let first = with_home(home.path(), Some(&path));
+    let second = with_home(home.path(), Some(&path));
+    assert!(second.sees("Another editor has this file open") && !first.sees("Another editor"));
+}
+
+#[test]
+fn a_file_changed_by_others_is_read_again_or_asked_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = preset(folder.path());
+    let mut window = Window::on(&path);
+    let mut other = Graph::from_bytes(&std::fs::read(&path).unwrap(), window.graph().registry()).unwrap();
+    other.add("stranger", "constant").unwrap();
+    other.save(&path).unwrap();
+    std::thread::sleep(Duration::from_millis(2100));
+    window.steps(3);
+    assert!(window.graph().find("stranger").is_some(), "nothing was unsaved, so it is read again");
+    window.add(ground(20.0, 30.0), "blur");
+    other.add("second", "constant").unwrap();
+    other.save(&path).unwrap();
+    std::thread::sleep(Duration::from_millis(2100));
+    window.steps(3);
+    window.click("Read the file");
+    assert!(window.graph().find("second").is_some() && window.graph().find("blur").is_none());
+    window.keys(Modifiers::COMMAND, Key::Z);
+    assert!(window.graph().find("blur").is_some(), "what was here is in the history");
+}
+
+/// Where the process that is to be killed keeps its work.
+const HOME: &str = "OROGRAPH_TEST_HOME";
+
+/// Not a test by itself: edits until it is killed.
+#[test]
+#[ignore = "run by the next test, in a process of its own"]
+fn edits_until_killed() {
+    let Some(home) = std::env::var_os(HOME) else { return };
+    let mut window = with_home(Path::new(&home), None);
+    window.add(ground(20.0, 30.0), "fractal");
+    loop {
+        window.steps(1);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn a_killed_editor_loses_nothing() {
+    let home = tempfile::tempdir().unwrap();
+    let mut victim = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "editor::files::edits_until_killed", "--ignored"])
+        .env(HOME, home.path())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let kept = || {
+        let entries = std::fs::read_dir(home.path().join("sessions")).into_iter().flatten().flatten();
+        entries.map(|e| e.path()).any(|p| p.extension().is_some_and(|e| e == "json"))
+    };
+    let start = Instant::now();
+    while !kept() {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing was kept");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    victim.kill().unwrap();
+    victim.wait().unwrap();
+    let mut window = with_home(home.path(), None);
+    assert!(window.sees("Unsaved work was found"));
+    window.click("Recover");
+    assert!(window.graph().find("fractal_noise").is_some());
+    assert!(window.editor().document().is_unsaved());
+}

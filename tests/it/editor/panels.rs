@@ -1,0 +1,61 @@
+//! Parameters by hand.
+
+use eframe::egui::{Key, Modifiers};
+use serde_json::json;
+
+use super::{Window, ground};
+
+#[test]
+fn a_typed_value_is_one_change() {
+    let mut window = Window::empty();
+    window.add(ground(20.0, 30.0), "blur");
+    window.click("node blur");
+    let blur = window.graph().find("blur").unwrap();
+    let before = window.graph().node(blur).set.get("radius").cloned();
+    window.type_into("radius", "321");
+    assert_eq!(window.graph().node(blur).set.get("radius"), Some(&json!(321)));
+    window.keys(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.graph().node(blur).set.get("radius").cloned(), before);
+}
+
+#[test]
+fn dice_and_a_step_back() {
+    let mut window = Window::empty();
+    window.add(ground(20.0, 30.0), "fractal");
+    let id = window.graph().find("fractal_noise").unwrap();
+    let seed = |w: &Window| w.graph().node(id).set["seed"].clone();
+    let first = seed(&window);
+    window.click("🎲");
+    let second = seed(&window);
+    assert_ne!(first, second);
+    window.click("⟲");
+    assert_eq!(seed(&window), first);
+}
+
+#[test]
+fn several_nodes_of_a_kind_are_set_together() {
+    let mut window = Window::empty();
+    window.add(ground(20.0, 30.0), "fractal");
+    window.add(ground(330.0, 30.0), "fractal");
+    window.keys(Modifiers::COMMAND, Key::A);
+    assert!(window.sees("2 × fractal_noise"));
+    window.type_into("octaves", "3");
+    for name in ["fractal_noise", "fractal_noise_2"] {
+        let node = window.graph().node(window.graph().find(name).unwrap());
+        assert_eq!(node.set.get("octaves"), Some(&json!(3)), "{name}");
+    }
+}
+
+#[test]
+fn outputs_and_texts() {
+    let mut window = Window::empty();
+    window.add(ground(20.0, 30.0), "fractal");
+    window.click("Outputs");
+    window.click("➕ Output of fractal_noise.field");
+    let outputs: Vec<_> = window.graph().outputs().map(|(n, o)| (n.to_owned(), o.from.clone())).collect();
+    assert_eq!(outputs, [("fractal_noise".to_owned(), "fractal_noise.field".to_owned())]);
+    window.click("History");
+    assert!(window.sees("Add output") && window.sees("Add fractal_noise"));
+    window.click("New graph");
+    assert_eq!(window.graph().nodes().len(), 0);
+}

@@ -1,0 +1,29 @@
+//! What is evaluated and shown.
+
+use eframe::egui::Key;
+
+use super::{Window, ground, preset};
+
+#[test]
+fn shows_the_result_of_the_graph_and_of_what_is_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Window::on(&preset(folder.path()));
+    window.settle();
+    assert!(window.editor().shown_range().is_some(), "the first output is shown");
+    assert!(window.editor().thumbnails() > 3);
+}
+
+#[test]
+fn a_change_is_evaluated_and_a_fault_is_told() {
+    let mut window = Window::empty();
+    window.add(ground(20.0, 30.0), "constant");
+    window.settle();
+    let (low, high) = window.editor().shown_range().unwrap();
+    assert_eq!(low, high);
+    window.add(ground(330.0, 30.0), "blur");
+    window.settle();
+    assert!(window.sees("1 errors"), "a blur without an input");
+    window.key(Key::Delete);
+    window.settle();
+    assert!(!window.sees("1 errors"));
+}
