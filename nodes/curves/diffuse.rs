@@ -108,7 +108,9 @@ impl Node for Diffuse {
         let gradient = spread.gradient(&cx.stage(0.0, 0.45))?;
         let base = base.map(|b| b.crop(&cx.grid));
         let vectors = gradient.as_ref().map_or_else(|| vec![[0.0; 2]; cx.grid.len()], Gradient::vectors);
-        let guides = spread.leaning(gradient);
+        // Without slopes the mean of all neighbours serves the edges of plateaus well enough for a fast answer.
+        let plain = gradient.is_none() && self.quality == Quality::Paper;
+        let guides = if plain { None } else { spread.leaning(gradient) };
         let height = self.height(&mut spread, &cx.stage(0.45, 0.7), guides.as_ref(), base.as_ref())?;
         let [amplitude, roughness] = spread.noise(&cx.stage(0.7, 1.0))?;
         let field = |quantity, data| Field::new(cx.grid, quantity, data);

@@ -49,11 +49,15 @@ fn ground(@location(0) part: vec3<f32>, @location(1) piece: vec3<f32>) -> Corner
 // The cut sides of the block: `part` is the sample and whether the corner is at the foot.
 @vertex
 fn wall(@location(0) part: vec3<f32>) -> Corner {
-    let z = select(height(vec2<i32>(part.xy)), scene.heights.y, part.z > 0.5);
+    // Water stands at the side as high as it is.
+    let ground = height(vec2<i32>(part.xy));
+    let flooded = scene.size.w > 0.5 && ground < scene.size.z;
+    let top = select(ground, scene.size.z, flooded);
+    let z = select(top, scene.heights.y, part.z > 0.5);
     var out: Corner;
     out.position = stand(part.xy, z);
     out.uv = (part.xy + 0.5) / scene.size.xy;
-    out.side = 1.0;
+    out.side = select(1.0, 2.0, flooded && part.z < 0.5);
     return out;
 }
 
@@ -61,7 +65,8 @@ fn wall(@location(0) part: vec3<f32>) -> Corner {
 fn draped(in: Corner) -> @location(0) vec4<f32> {
     let color = textureSample(picture, soft, in.uv).rgb;
     let cut = mix(color, vec3<f32>(0.33, 0.29, 0.26), 0.8) * 0.75;
-    return vec4<f32>(mix(color, cut, in.side), 1.0);
+    let side = mix(cut, scene.water.rgb * 0.8, clamp(in.side - 1.0, 0.0, 1.0));
+    return vec4<f32>(mix(color, side, min(in.side, 1.0)), 1.0);
 }
 
 struct Surface {

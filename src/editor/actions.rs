@@ -241,7 +241,7 @@ impl Editor {
         self.settings.opened(path);
         self.write_settings();
         if moved {
-            self.reclaim();
+            self.reclaim(ctx);
             self.start_evaluator(ctx);
         }
         true

@@ -1,7 +1,6 @@
 //! The window: what it holds, and one frame of it.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Context, Ui};
 use eframe::wgpu::TextureFormat;
@@ -20,15 +19,15 @@ use super::settings::Settings;
 use super::shade::{Look, Mode};
 use super::views::map::MapView;
 use super::views::relief::ReliefView;
+use super::watch::FileWatch;
 use super::{actions, theme};
 use crate::engine::{Files, Options, kept_folders};
 use crate::graph::{Graph, NodeId, Source};
 use crate::nodes::Registry;
+use crate::value::Grid;
 
 /// Estimated seconds of an evaluation that opening a graph starts without asking.
 const PATIENCE: f64 = 60.0;
-/// How often the file is looked at for changes of others.
-const LOOK: Duration = Duration::from_secs(2);
 
 /// How an editor starts.
 pub struct Setup {
@@ -86,7 +85,7 @@ pub struct Editor {
     home: Option<PathBuf>,
     keeper: Option<Keeper>,
     claim: Option<Claim>,
-    looked: Instant,
+    watch: Option<FileWatch>,
     map_pixels: egui::Vec2,
     title: String,
     options: Options,
@@ -102,6 +101,7 @@ struct Ordered {
     size: u32,
     look: Look,
     lit: bool,
+    detail: Option<Grid>,
     accepted: Option<u64>,
 }
 
@@ -154,7 +154,7 @@ impl Editor {
             home: setup.home,
             keeper,
             claim: None,
-            looked: Instant::now(),
+            watch: None,
             map_pixels: egui::Vec2::splat(512.0),
             title: String::new(),
             options: setup.options,
@@ -175,8 +175,7 @@ impl Editor {
 
     /// Whether something is being evaluated.
     pub fn is_busy(&self) -> bool {
-        let board = self.evaluator.as_ref().map(|e| e.board());
-        board.is_some_and(|b| b.busy) || self.ordered != Some(self.wish())
+        self.evaluator.as_ref().is_some_and(Evaluator::is_busy) || self.ordered != Some(self.wish())
     }
 
     /// The lowest and highest value of the field that is shown, once it is exact.
@@ -221,7 +220,7 @@ impl Editor {
         self.canvas.show_all();
         self.map.show_all();
         (self.pinned, self.output, self.accepted) = (None, None, None);
-        self.reclaim();
+        self.reclaim(ctx);
         self.choose_result();
         self.start_evaluator(ctx);
     }
@@ -233,9 +232,12 @@ impl Editor {
         self.pinned = first.map(|s| s.node);
     }
 
-    /// Claims the file of the document, and warns when another editor has it.
-    pub(super) fn reclaim(&mut self) {
+    /// Claims the file of the document and watches it; warns when another editor has it.
+    pub(super) fn reclaim(&mut self, ctx: &Context) {
         self.claim = None;
+        let wake = ctx.clone();
+        let watch = |path: &Path| FileWatch::on(path, move || wake.request_repaint());
+        self.watch = self.document.path().map(watch);
         let (Some(home), Some(path)) = (&self.home, self.document.path()) else { return };
         match claim(home, path) {
             Claimed::Ours(claim) => self.claim = Some(claim),
@@ -287,6 +289,7 @@ impl Editor {
             target: self.target(),
             size: self.map.wanted(self.map_pixels),
             look: self.map.look,
+            detail: self.map.closer().filter(|_| self.view == Page::Map),
             lit: self.view == Page::Relief && self.map.look.mode == Mode::Relief && !self.map.look.contours,
             accepted: self.accepted,
         }
@@ -306,6 +309,7 @@ impl Editor {
             size: wish.size,
             look: wish.look,
             lit: wish.lit,
+            detail: wish.detail,
             in_sight: self.canvas.in_sight.clone(),
             whatever_it_takes: self.accepted == Some(wish.state),
         });
@@ -422,10 +426,9 @@ impl Editor {
 
     /// Looks whether somebody else has changed the file.
     fn look_at_disk(&mut self, ctx: &Context) {
-        if self.looked.elapsed() < LOOK || self.dialog.is_modal() {
+        if self.dialog.is_modal() || !self.watch.as_ref().is_some_and(FileWatch::take) {
             return;
         }
-        self.looked = Instant::now();
         let Some(bytes) = self.document.foreign_change() else { return };
         if self.document.is_unsaved() {
             self.dialog = Dialog::Changed(bytes);
@@ -457,10 +460,6 @@ impl Editor {
             Ok(Some(wait)) => ctx.request_repaint_after(wait),
             Ok(None) => (),
             Err(e) => self.notices.fail(format!("Unsaved work cannot be kept: {e}. Save now")),
-        }
-        // Without a pointer that moves, the file would not be looked at.
-        if self.document.path().is_some() {
-            ctx.request_repaint_after(LOOK);
         }
     }
 

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::evaluator::Order;
+use super::shade::Look;
 use crate::engine::Key;
-use crate::graph::NodeId;
+use crate::graph::{NodeId, Source};
 use crate::render::Picture;
 use crate::value::{Bounds, Value};
 
@@ -29,6 +30,15 @@ pub(crate) struct Seen {
     pub(crate) picture: Picture,
     /// Lowest and highest value of a field.
     pub(crate) range: Option<(f32, f32)>,
+}
+
+/// What a whole view was made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Made {
+    pub(crate) state: u64,
+    pub(crate) target: Source,
+    pub(crate) size: u32,
+    pub(crate) look: Look,
 }
 
 /// What the view shows.
@@ -59,8 +69,14 @@ pub(crate) struct Board {
     pub(crate) news: u64,
     pub(crate) busy: bool,
     pub(crate) shown: Option<Shown>,
+    /// A part of it, finer.
+    pub(crate) detail: Option<Shown>,
+    /// What the exact whole view was made for.
+    pub(crate) made: Option<Made>,
     /// Counts up with each thing that is shown.
     pub(crate) showings: u64,
+    /// Counts up with each finer part.
+    pub(crate) details: u64,
     /// The picture of a showing under sun and sky, with cast shadows.
     pub(crate) lit: Option<(u64, Arc<Picture>)>,
     pub(crate) failure: Option<(u64, String)>,
@@ -81,7 +97,7 @@ impl Board {
         });
         self.thumbnails.retain(|id, _| order.graph.get(*id).is_some());
         if order.target.is_none() {
-            self.shown = None;
+            (self.shown, self.detail, self.made) = (None, None, None);
             self.showings += 1;
         }
     }
@@ -99,11 +115,21 @@ impl Board {
         self.held = Some(Held { over, seconds });
     }
 
-    pub(crate) fn show(&mut self, shown: Shown) {
+    /// Shows a whole view; `made` says what for, when it is exact.
+    pub(crate) fn show(&mut self, shown: Shown, made: Option<Made>) {
         self.news += 1;
         self.showings += 1;
         self.failure = None;
         self.shown = Some(shown);
+        self.made = made;
+        self.detail = None;
+    }
+
+    /// Shows a finer part of what is shown.
+    pub(crate) fn refine(&mut self, detail: Shown) {
+        self.news += 1;
+        self.details += 1;
+        self.detail = Some(detail);
     }
 
     /// Takes the lit picture of what is shown.
@@ -125,6 +151,12 @@ impl Board {
     pub(crate) fn thumbnail(&mut self, id: NodeId, seen: Seen) {
         self.news += 1;
         self.thumbnails.insert(id, seen);
+    }
+
+    /// Whether what is shown is what would be made, lit where that is wanted.
+    pub(crate) fn stands(&self, made: &Made, lit: bool) -> bool {
+        let is_lit = self.lit.as_ref().is_some_and(|(showing, _)| *showing == self.showings);
+        self.failure.is_none() && self.made.as_ref() == Some(made) && (is_lit || !lit)
     }
 
     /// Whether a node has no picture of its present result.

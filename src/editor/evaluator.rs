@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 
 use serde_json::Value as Json;
 
-use super::board::{Board, NodeState, Seen, Shown};
+use super::board::{Board, Made, NodeState, Seen, Shown};
 use super::shade::{Look, picture};
 use crate::context::Cancel;
 use crate::engine::{Engine, EngineError, Files, Observer, Options, Plan, Want};
@@ -35,6 +35,8 @@ pub(crate) struct Order {
     /// Samples along the longer side of the view.
     pub(crate) size: u32,
     pub(crate) look: Look,
+    /// A part that is looked at closely: its window of a finer lattice.
+    pub(crate) detail: Option<Grid>,
     /// Whether the picture under sun and sky is wanted.
     pub(crate) lit: bool,
     /// Nodes whose thumbnails are in sight.
@@ -70,6 +72,8 @@ impl std::fmt::Debug for Shared {
 #[derive(Debug, Default)]
 struct Desk {
     order: Option<Order>,
+    /// Whether the thread is at work on the one before.
+    working: bool,
     cancel: Cancel,
     closed: bool,
 }
@@ -119,6 +123,12 @@ impl Evaluator {
         desk.cancel.cancel();
     }
 
+    /// Whether an order waits or is worked on.
+    pub(crate) fn is_busy(&self) -> bool {
+        let desk = lock(&self.shared.desk);
+        desk.order.is_some() || desk.working
+    }
+
     /// What was found so far.
     pub(crate) fn board(&self) -> MutexGuard<'_, Board> {
         lock(&self.shared.board)
@@ -155,6 +165,7 @@ impl Shared {
             if desk.closed {
                 return None;
             }
+            desk.working = desk.order.is_some();
             if let Some(order) = desk.order.take() {
                 desk.cancel = Cancel::default();
                 return Some((order, desk.cancel.clone()));
@@ -170,7 +181,12 @@ impl Shared {
 
     fn work(&self, engine: &Engine, order: &Order, cancel: &Cancel) -> Result<(), Stopped> {
         if let Some(target) = order.target {
-            self.view(engine, order, target, cancel)?;
+            let made = Made { state: order.state, target, size: order.size, look: order.look };
+            let stands = lock(&self.board).stands(&made, order.lit);
+            if !stands {
+                self.view(engine, order, target, cancel)?;
+            }
+            self.detail(engine, order, target, cancel)?;
         }
         self.thumbnails(engine, order, cancel)
     }
@@ -196,6 +212,34 @@ impl Shared {
         self.show(engine, order, graph, &want(grid), false, cancel)
     }
 
+    /// Makes the part that is looked at closely.
+    fn detail(&self, engine: &Engine, order: &Order, target: Source, cancel: &Cancel) -> Result<(), Stopped> {
+        let Some(grid) = order.detail else { return Ok(()) };
+        let whole = lock(&self.board).shown.as_ref().and_then(|s| value_range(&s.value));
+        let Some(range) = whole else { return Ok(()) };
+        let want = Want { node: target.node, port: target.port, grid };
+        let plan = engine.plan(&order.graph, std::slice::from_ref(&want));
+        if engine.admit(&plan).is_err() || plan.seconds() > self.patience {
+            return Ok(());
+        }
+        let watch = Watcher { shared: self, graph: &order.graph, tasks: Mutex::default() };
+        let evaluation = match engine.evaluate(&order.graph, &[want], &watch, cancel) {
+            Ok(evaluation) => evaluation,
+            Err(_) if cancel.is_cancelled() => return Err(Stopped),
+            // The whole view stays.
+            Err(_) => return Ok(()),
+        };
+        let effective_cell = evaluation.effective_cells.first().copied().flatten();
+        for value in evaluation.values.into_iter().flatten() {
+            let terrain = order.graph.terrain();
+            let picture = picture(&value, &order.look, Some(range), terrain, cancel).map_err(|_| Stopped)?;
+            let (picture, bounds) = (Arc::new(picture), terrain.bounds());
+            let shown = Shown { value, picture, draft: false, effective_cell, bounds };
+            self.tell(|board| board.refine(shown));
+        }
+        Ok(())
+    }
+
     fn show(
         &self,
         engine: &Engine,
@@ -218,12 +262,15 @@ impl Shared {
         for value in evaluation.values {
             match value {
                 Ok(value) => {
-                    let picture = picture(&value, &order.look, graph.terrain(), cancel);
+                    let picture = picture(&value, &order.look, None, graph.terrain(), cancel);
                     let picture = Arc::new(picture.map_err(|_| Stopped)?);
                     let bounds = graph.terrain().bounds();
                     let height = field_to_light(&value).filter(|_| order.lit && !draft);
                     let shown = Shown { value, picture, draft, effective_cell, bounds };
-                    self.tell(|board| board.show(shown));
+                    let (state, size, look) = (order.state, order.size, order.look);
+                    let target = Source { node: want.node, port: want.port };
+                    let made = (!draft).then_some(Made { state, target, size, look });
+                    self.tell(|board| board.show(shown, made));
                     if let Some(height) = height {
                         self.light(&height, cancel)?;
                     }

@@ -28,6 +28,7 @@ mod settings;
 mod shade;
 mod theme;
 mod views;
+mod watch;
 
 use std::path::PathBuf;
 use std::sync::Arc;

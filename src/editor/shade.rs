@@ -56,27 +56,35 @@ pub(crate) struct Look {
     pub(crate) contours: bool,
 }
 
-/// A picture of a value, a pixel for each sample.
+/// A picture of a value, a pixel for each sample; a part of a whole takes its colours from the range of the whole.
 ///
 /// # Errors
 /// When the value has no samples, or the work was cancelled.
-pub(crate) fn picture(value: &Value, look: &Look, terrain: &Terrain, cancel: &Cancel) -> Result<Picture> {
+pub(crate) fn picture(
+    value: &Value,
+    look: &Look,
+    range: Option<(f32, f32)>,
+    terrain: &Terrain,
+    cancel: &Cancel,
+) -> Result<Picture> {
     let side = value.grid().map_or(SKETCH, |g| g.cols.max(g.rows));
     let Value::Field(field) = value else { return thumbnail(value, side, cancel) };
     let relief = look.mode == Mode::Relief;
-    if relief && field.quantity() != Quantity::Elevation && !look.contours {
+    let is_height = field.quantity() == Quantity::Elevation;
+    if relief && !is_height && !look.contours && range.is_none() {
         return thumbnail(value, side, cancel);
     }
     cancel.check()?;
-    let (low, high) = field.range().unwrap_or((0.0, 0.0));
+    let (low, high) = range.or_else(|| field.range()).unwrap_or((0.0, 0.0));
     let scale = if high > low { 1.0 / (high - low) } else { 0.0 };
     let ramp = match look.mode {
-        Mode::Relief if field.quantity() == Quantity::Elevation => &Palette::Hypsometric,
+        Mode::Relief if is_height => &Palette::Hypsometric,
+        Mode::Relief if field.quantity() == Quantity::Mask => &Palette::Grey,
         Mode::Relief | Mode::Ramp => &Palette::Viridis,
         Mode::Raw => &Palette::Grey,
     };
     let ramp = Ramp::of(ramp, Blend::Smooth);
-    let lit = relief && field.quantity() == Quantity::Elevation;
+    let lit = relief && is_height;
     let sea = terrain.sea_level as f32;
     let lines = look.contours.then(|| Lines { step: contour_step(low, high) });
     let pixel = |i: usize, j: usize| {

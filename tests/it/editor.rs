@@ -5,6 +5,7 @@ mod canvas;
 mod files;
 mod panels;
 mod pictures;
+mod soak;
 mod view;
 
 use std::path::{Path, PathBuf};
@@ -12,7 +13,9 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, pos2};
+use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui_kittest::Harness;
+use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
 use egui_kittest::kittest::Queryable as _;
 use orograph::editor::{Answer, Editor, Setup};
 use orograph::engine::Options;
@@ -40,7 +43,20 @@ impl Window {
         Self::of(Setup { path: Some(path.to_owned()), home: None, asker, ..Setup::default() })
     }
 
-    pub(crate) fn of(mut setup: Setup) -> Self {
+    pub(crate) fn of(setup: Setup) -> Self {
+        Self::with(setup, None)
+    }
+
+    /// With a device to draw with.
+    pub(crate) fn drawn(path: &Path) -> Self {
+        let device = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+        let format = Some(device.target_format);
+        let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
+        let setup = Setup { path: Some(path.to_owned()), home: None, asker, format, ..Setup::default() };
+        Self::with(setup, Some(device))
+    }
+
+    fn with(mut setup: Setup, device: Option<RenderState>) -> Self {
         setup.options = Options { threads: 1, memory: 2 << 30, ..Options::default() };
         let mut setup = Some(setup);
         let frame = move |ui: &mut eframe::egui::Ui, editor: &mut Option<Editor>| {
@@ -50,6 +66,10 @@ impl Window {
             editor.as_mut().unwrap().frame(ui);
         };
         let builder = Harness::builder().with_size([1280.0, 800.0]).with_step_dt(1.0 / 30.0);
+        let builder = match device {
+            Some(device) => builder.renderer(WgpuTestRenderer::from_render_state(device)),
+            None => builder,
+        };
         let mut window = Self(builder.build_ui_state(frame, None));
         window.steps(3);
         if window.0.query_by_label("Empty graph").is_some() {

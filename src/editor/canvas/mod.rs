@@ -75,6 +75,8 @@ pub(crate) struct Canvas {
     pointer: Pos2,
     screen: Rect,
     fit: bool,
+    /// Whether the space bar, while it was down, was used to pan.
+    panned: bool,
 }
 
 /// What the canvas works with for a frame.
@@ -128,6 +130,7 @@ impl Default for Canvas {
             pointer: Pos2::ZERO,
             screen: Rect::NOTHING,
             fit: true,
+            panned: false,
         }
     }
 }
@@ -239,8 +242,13 @@ impl Canvas {
         if scroll.x != 0.0 {
             self.camera.middle.x -= scroll.x / self.camera.zoom;
         }
+        let released = ui.input(|i| i.key_released(egui::Key::Space));
+        if released && !std::mem::take(&mut self.panned) && !ui.ctx().egui_wants_keyboard_input() {
+            self.open_search();
+        }
         if let Some(delta) = hand {
             self.camera.middle -= delta / self.camera.zoom;
+            self.panned |= ui.input(|i| i.key_down(egui::Key::Space));
         } else if ground.dragged_by(PointerButton::Secondary) {
             self.camera.middle -= ground.drag_delta() / self.camera.zoom;
         }

@@ -10,7 +10,10 @@ use crate::editor::board::{Board, Shown};
 use crate::editor::canvas::camera::{Camera, View};
 use crate::editor::shade::Look;
 use crate::editor::{image_of, theme};
-use crate::value::{Bounds, Field, Terrain, Value};
+use crate::value::{Bounds, Field, Grid, Terrain, Value};
+
+/// Most samples of a finer part.
+const MOST: usize = 4 << 20;
 
 /// The state of the flat view.
 pub(crate) struct MapView {
@@ -19,6 +22,10 @@ pub(crate) struct MapView {
     pub(crate) charts: bool,
     camera: Option<Camera>,
     texture: Option<(u64, TextureHandle)>,
+    /// The texture of the finer part.
+    fine: Option<(u64, TextureHandle)>,
+    /// What is seen closely: a window of a finer lattice.
+    closer: Option<Grid>,
     /// A line on the terrain, in metres.
     profile: Option<[[f64; 2]; 2]>,
     drawing: bool,
@@ -26,7 +33,16 @@ pub(crate) struct MapView {
 
 impl MapView {
     pub(crate) fn new(look: Look, charts: bool) -> Self {
-        Self { look, charts, camera: None, texture: None, profile: None, drawing: false }
+        Self {
+            look,
+            charts,
+            camera: None,
+            texture: None,
+            fine: None,
+            closer: None,
+            profile: None,
+            drawing: false,
+        }
     }
 
     /// Shows the whole terrain again.
@@ -41,6 +57,36 @@ impl MapView {
         fit.unwrap_or(1025)
     }
 
+    /// The part that is looked at so closely that the whole view has too few samples for it.
+    pub(crate) fn closer(&self) -> Option<Grid> {
+        self.closer
+    }
+
+    /// Finds out what is looked at closely, once the hand rests.
+    fn look_closer(&mut self, ui: &Ui, view: &View, shown: &Shown) {
+        let moving = ui.input(|i| i.pointer.any_down() || i.smooth_scroll_delta() != Vec2::ZERO);
+        if moving {
+            return;
+        }
+        let whole = shown.value.grid().filter(|_| !shown.draft);
+        self.closer = whole.and_then(|whole| {
+            let pixels = f64::from(view.zoom() * ui.pixels_per_point());
+            let pixel = 1.0 / (unit(&shown.bounds) * pixels);
+            let factor = [2, 4, 8, 16]
+                .into_iter()
+                .filter(|f| whole.cell() / f64::from(*f) >= 0.6 * pixel)
+                .next_back()?;
+            let fine = whole.refined(factor);
+            let corners = [view.screen.min, view.screen.max].map(|p| to_metres(view.world(p), shown));
+            let seen = Grid::covering(fine.lattice, Bounds { min: corners[0], max: corners[1] });
+            // In steps, so that a small movement asks for nothing new.
+            let [col, row] = [seen.col, seen.row].map(|v| v.div_euclid(64) * 64);
+            let [end_col, end_row] = [seen.col_end(), seen.row_end()].map(|v| (v.div_euclid(64) + 1) * 64);
+            let window = Grid::between(fine.lattice, [col, row], [end_col, end_row]).intersection(&fine);
+            (window.cols > 1 && window.rows > 1 && window.len() <= MOST).then_some(window)
+        });
+    }
+
     pub(crate) fn show(&mut self, ui: &mut Ui, board: &Board, terrain: &Terrain) {
         let (screen, ground) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         ground.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "map view"));
@@ -51,17 +97,24 @@ impl MapView {
         let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(screen));
         ui.set_clip_rect(screen.intersect(ui.clip_rect()));
         let Some(shown) = &board.shown else {
+            self.closer = None;
             self.empty(&ui, screen, board);
             return;
         };
+        self.look_closer(&ui, &view, shown);
         let painter = ui.painter();
         if let Some((_, texture)) = &self.texture {
             let rect = view.rect(extent(shown, &bounds));
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             painter.image(texture.id(), rect, whole, Color32::WHITE);
+            if let (Some((_, texture)), Some(detail)) = (&self.fine, &board.detail) {
+                painter.image(texture.id(), view.rect(extent(detail, &bounds)), whole, Color32::WHITE);
+            }
         }
         self.profile(&ui, &view, &ground, shown);
         let pointer = ui.input(|i| i.pointer.hover_pos()).filter(|p| ground.hovered() && screen.contains(*p));
+        let inside = |d: &&Shown| pointer.is_some_and(|p| view.rect(extent(d, &bounds)).contains(p));
+        let shown = board.detail.as_ref().filter(inside).unwrap_or(shown);
         self.read_out(&ui, &view, screen, pointer, shown);
         if let Some((_, why)) = &board.failure {
             let text = format!("This is not up to date: {why}");
@@ -92,6 +145,15 @@ impl MapView {
                 TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
             let texture = ui.ctx().load_texture("map view", image_of(&shown.picture), options);
             self.texture = Some((board.showings, texture));
+        }
+        match &board.detail {
+            None => self.fine = None,
+            Some(detail) if self.fine.as_ref().is_none_or(|(n, _)| *n != board.details) => {
+                let options = TextureOptions::LINEAR;
+                let texture = ui.ctx().load_texture("map detail", image_of(&detail.picture), options);
+                self.fine = Some((board.details, texture));
+            }
+            Some(_) => (),
         }
     }
 

@@ -113,7 +113,7 @@ fn everything_can_be_undone_to_the_same_bytes() {
     window.key(Key::N);
     window.key(Key::Delete);
     let (states, at) = window.editor().document().states();
-    assert!(states.len() > 4 && at == states.len() - 1, "{states:?}");
+    assert!(states.len() > 3 && at == states.len() - 1, "{states:?}");
     assert!(window.editor().document().is_unsaved());
     for _ in 0..at {
         window.keys(COMMAND, Key::Z);

@@ -1,6 +1,7 @@
 //! Pictures of the main states, to be looked at: `OROGRAPH_PICTURES=DIR cargo test editor::pictures`.
 
 use eframe::egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
 
 use super::{Window, ground, preset};
 
@@ -13,9 +14,14 @@ fn picture(window: &mut Window, name: &str) {
 #[test]
 fn main_states() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = Window::on(&preset(folder.path()));
+    let mut window = Window::drawn(&preset(folder.path()));
     window.settle();
     picture(&mut window, "opened");
+    window.0.get_all_by_label("Relief").next().unwrap().click();
+    window.steps(3);
+    window.settle();
+    picture(&mut window, "relief");
+    window.click("Map");
     let first = window.graph().nodes().next().unwrap();
     let name = window.graph().node(first).name.clone();
     window.click(&format!("node {name}"));

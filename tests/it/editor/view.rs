@@ -14,6 +14,17 @@ fn shows_the_result_of_the_graph_and_of_what_is_chosen() {
 }
 
 #[test]
+fn nothing_is_drawn_while_nothing_happens() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Window::on(&preset(folder.path()));
+    window.settle();
+    window.steps(20);
+    let delays = window.0.output().viewport_output.values().map(|v| v.repaint_delay);
+    let causes = window.0.ctx.repaint_causes();
+    assert!(delays.min().unwrap() > std::time::Duration::from_secs(3600), "{causes:?}");
+}
+
+#[test]
 fn a_change_is_evaluated_and_a_fault_is_told() {
     let mut window = Window::empty();
     window.add(ground(20.0, 30.0), "constant");

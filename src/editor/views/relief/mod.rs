@@ -46,7 +46,8 @@ impl ReliefView {
     pub(crate) fn show(&mut self, ui: &mut Ui, board: &Board, sea_level: f64) {
         let (rect, ground) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         ground.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "relief view"));
-        let background = ui.visuals().extreme_bg_color;
+        let background =
+            if ui.visuals().dark_mode { Color32::from_rgb(30, 35, 42) } else { Color32::from_rgb(196, 206, 216) };
         ui.painter().rect_filled(rect, 0.0, background);
         self.steer(ui, &ground);
         let shown = board.shown.as_ref();

@@ -23,7 +23,7 @@ pub(crate) struct Orbit {
 
 impl Default for Orbit {
     fn default() -> Self {
-        Self { target: Vec3::ZERO, azimuth: 200.0, pitch: 32.0, distance: 1.45 }
+        Self { target: Vec3::new(0.0, 0.0, -0.02), azimuth: 205.0, pitch: 33.0, distance: 1.75 }
     }
 }
 
