@@ -396,7 +396,7 @@ fn draft_of(graph: &Graph, size: u32) -> Option<(Graph, Grid)> {
     let mut draft = graph.clone();
     let exposed = graph.exposed().find(|(_, e)| e.bind.iter().any(|b| b == "terrain.base"));
     let set = match exposed {
-        Some((name, _)) => draft.set_exposed(&name.to_owned(), Json::from(base)),
+        Some((name, _)) => draft.set_exposed(name, Json::from(base)),
         None => draft.set_terrain("base", Json::from(base)),
     };
     set.ok()?;

@@ -220,7 +220,7 @@ fn lines(n: usize, corners: usize) -> Curves {
     let spec = |i: usize| {
         let y = 8192.0 * (i as f64 + 0.5) / n as f64;
         let point = |k: usize| {
-            let bend = if k % 2 == 0 { 3.0 } else { -3.0 };
+            let bend = if k.is_multiple_of(2) { 3.0 } else { -3.0 };
             [8192.0 * k as f64 / (corners - 1) as f64, y + bend]
         };
         CurveSpec {

@@ -72,10 +72,7 @@ impl MapView {
         self.closer = whole.and_then(|whole| {
             let pixels = f64::from(view.zoom() * ui.pixels_per_point());
             let pixel = 1.0 / (unit(&shown.bounds) * pixels);
-            let factor = [2, 4, 8, 16]
-                .into_iter()
-                .filter(|f| whole.cell() / f64::from(*f) >= 0.6 * pixel)
-                .next_back()?;
+            let factor = [2, 4, 8, 16].into_iter().rfind(|f| whole.cell() / f64::from(*f) >= 0.6 * pixel)?;
             let fine = whole.refined(factor);
             let corners = [view.screen.min, view.screen.max].map(|p| to_metres(view.world(p), shown));
             let seen = Grid::covering(fine.lattice, Bounds { min: corners[0], max: corners[1] });

@@ -96,7 +96,7 @@ pub(crate) fn bi_conjugate_gradients(
         let product = dot(simd, &shadow, r);
         let beta = if start.is_none() { 0.0 } else { product / before * (alpha / omega) };
         before = product;
-        if let Some(start) = start.filter(|_| !(beta.abs() < BROKEN)) {
+        if let Some(start) = start.filter(|_| is_broken(beta)) {
             // The residual has nothing left of the shadow: what was found so far stands, and another round starts anew.
             return Ok(start);
         }
@@ -126,7 +126,7 @@ pub(crate) fn bi_conjugate_gradients(
         let level = &grid.levels[0];
         level.apply(simd, &level.u, &mut t);
         omega = dot(simd, &t, r) / dot(simd, &t, &t);
-        let broken = !(omega.abs() < BROKEN && omega != 0.0);
+        let broken = is_broken(omega) || omega == 0.0;
         if error <= goal.max(ROUND * start) || journal.spent() || broken {
             if error.is_finite() {
                 combine(simd, 1.0, &level.u, 1.0, e);
@@ -136,6 +136,11 @@ pub(crate) fn bi_conjugate_gradients(
         combine(simd, omega as f32, &level.u, 1.0, e);
         combine(simd, -omega as f32, &t, 1.0, r);
     }
+}
+
+/// Whether a factor is too large for a step, or none.
+fn is_broken(factor: f64) -> bool {
+    !factor.is_finite() || factor.abs() >= BROKEN
 }
 
 fn clear(e: &mut Split) {

@@ -17,7 +17,10 @@ const RIDGE: &str =
 /// How far a step across a slope reaches to its middle, with `|n_x|` and `|n_y|` as shares along the axes: a steepness
 /// that fades linearly has its mean over the step there.
 fn half_step(n: [f32; 2], cell: f64) -> f64 {
-    let cube = |x: f32| f64::from(x.abs()).powi(3);
+    let cube = |x: f32| {
+        let x = f64::from(x.abs());
+        x * x * x
+    };
     0.5 * cell * (cube(n[0]) + cube(n[1]))
 }
 

@@ -46,8 +46,11 @@ impl ReliefView {
     pub(crate) fn show(&mut self, ui: &mut Ui, board: &Board, sea_level: f64) {
         let (rect, ground) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         ground.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "relief view"));
-        let background =
-            if ui.visuals().dark_mode { Color32::from_rgb(30, 35, 42) } else { Color32::from_rgb(196, 206, 216) };
+        let background = if ui.visuals().dark_mode {
+            Color32::from_rgb(30, 35, 42)
+        } else {
+            Color32::from_rgb(196, 206, 216)
+        };
         ui.painter().rect_filled(rect, 0.0, background);
         self.steer(ui, &ground);
         let shown = board.shown.as_ref();
@@ -122,7 +125,7 @@ impl ReliefView {
         let unit = (2.0 * half(grid.cols.max(grid.rows))).max(1e-3);
         let (low, high) = height.range().unwrap_or((0.0, 0.0));
         let reach = 0.5 * (high - low) * self.exaggeration;
-        let to_screen = self.orbit.to_screen(size.x / size.y.max(1.0), unit);
+        let to_screen = self.orbit.projection(size.x / size.y.max(1.0), unit);
         let eye: Vec3 = self.orbit.eye() * unit;
         Sight {
             to_screen,

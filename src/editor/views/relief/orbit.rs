@@ -78,7 +78,7 @@ impl Orbit {
     }
 
     /// From metres around the middle of the terrain to the screen; `unit` is the longer side in metres.
-    pub(crate) fn to_screen(&self, aspect: f32, unit: f32) -> Mat4 {
+    pub(crate) fn projection(&self, aspect: f32, unit: f32) -> Mat4 {
         let (eye, target) = (self.eye() * unit, self.target * unit);
         let near = (self.distance * unit * 0.01).max(0.05);
         let far = (self.distance + 4.0) * unit;
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn the_target_is_in_the_middle_and_east_is_right_when_looking_north() {
         let orbit = Orbit { azimuth: 180.0, ..Orbit::default() };
-        let to_screen = orbit.to_screen(1.5, 8000.0);
+        let to_screen = orbit.projection(1.5, 8000.0);
         let at = |v: Vec3| to_screen.project_point3(v);
         let middle = at(Vec3::ZERO);
         assert!(middle.x.abs() < 1e-5 && middle.y.abs() < 1e-5 && (0.0..1.0).contains(&middle.z));
@@ -115,13 +115,13 @@ mod tests {
     fn panning_follows_the_hand() {
         for azimuth in [0.0, 90.0, 180.0, 270.0, 33.0] {
             let mut orbit = Orbit { azimuth, ..Orbit::default() };
-            let before = orbit.to_screen(1.0, 1000.0).project_point3(Vec3::ZERO);
+            let before = orbit.projection(1.0, 1000.0).project_point3(Vec3::ZERO);
             orbit.pan(0.1, 0.0);
-            let after = orbit.to_screen(1.0, 1000.0).project_point3(Vec3::ZERO);
+            let after = orbit.projection(1.0, 1000.0).project_point3(Vec3::ZERO);
             assert!(after.x > before.x + 0.05, "{azimuth}: {before} {after}");
             let mut orbit = Orbit { azimuth, ..Orbit::default() };
             orbit.pan(0.0, 0.1);
-            let after = orbit.to_screen(1.0, 1000.0).project_point3(Vec3::ZERO);
+            let after = orbit.projection(1.0, 1000.0).project_point3(Vec3::ZERO);
             assert!(after.y < before.y - 0.02, "{azimuth}: {before} {after}");
         }
     }

@@ -126,7 +126,7 @@ mod tests {
     fn sight(size: u32, coarseness: f32) -> Sight {
         let orbit = Orbit::default();
         Sight {
-            to_screen: orbit.to_screen(1.6, 8192.0),
+            to_screen: orbit.projection(1.6, 8192.0),
             eye: orbit.eye() * 8192.0,
             cols: size,
             rows: size,
@@ -155,7 +155,8 @@ mod tests {
                     span(p.col, size) * span(p.row, size)
                 })
                 .sum();
-            assert_eq!(quads, f64::from(size - 1).powi(2), "{size}");
+            let side = f64::from(size - 1);
+            assert_eq!(quads, side * side, "{size}");
         }
     }
 
@@ -175,7 +176,7 @@ mod tests {
         let whole = pieces(&sight).len();
         let orbit =
             Orbit { target: Vec3::new(0.4, 0.0, 0.0), azimuth: 270.0, distance: 0.2, ..Orbit::default() };
-        sight.to_screen = orbit.to_screen(1.6, 8192.0);
+        sight.to_screen = orbit.projection(1.6, 8192.0);
         sight.eye = orbit.eye() * 8192.0;
         let part = pieces(&sight);
         assert!(
