@@ -136,8 +136,12 @@ impl Diffuse {
         let fixed = spread.filled(|i| weights(i).fixed);
         let target = spread.filled(|i| weights(i).target);
         let weight = guides.map(|_| spread.filled(|i| weights(i).gradient));
-        let guidance = guides.zip(weight.as_deref()).map(|(Gradient { x, y, steepness }, weight)| {
-            Guidance { weight, x, y, slope: steepness, cell: cx.grid.cell() as f32 }
+        let guidance = guides.zip(weight.as_deref()).map(|(Gradient { x, y, steepness }, weight)| Guidance {
+            weight,
+            x,
+            y,
+            slope: steepness,
+            cell: cx.grid.cell() as f32,
         });
         let (cols, rows) = (cx.grid.cols, cx.grid.rows);
         let problem = Problem { cols, rows, fixed: &fixed, target: &target, guidance, source: None };

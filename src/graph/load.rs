@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde_json::{Map, Value as Json};
 
-use super::migrate::{self, FORMAT_STEPS, FormatStep};
 use super::canvas::Note;
+use super::migrate::{self, FORMAT_STEPS, FormatStep};
 use super::parts::{About, Exposed, GraphNode, KindRef, NodeKeys, Output, Part};
 use super::problem::{Hints, Place, Problem};
 use super::write::brief;

@@ -33,9 +33,9 @@ pub use petgraph::stable_graph::NodeIndex as NodeId;
 use petgraph::stable_graph::StableDiGraph;
 use serde_json::{Map, Value as Json};
 
-pub use json::read as strict_json;
 pub use canvas::{Bends, Note, NoteColor};
 pub use fragment::Grafted;
+pub use json::read as strict_json;
 pub use load::{LoadError, MAX_FILE, MAX_NAMED, MAX_NODES};
 pub use migrate::FORMAT;
 pub use parts::{About, Backend, Exposed, GraphNode, KindRef, Output};

@@ -86,12 +86,8 @@ impl Graph {
 
     fn written_node(&self, id: NodeId) -> Json {
         let node = self.node(id);
-        let keys = NodeKeys {
-            at: node.at,
-            backend: node.backend,
-            bypass: node.bypass,
-            bends: node.bends.clone(),
-        };
+        let keys =
+            NodeKeys { at: node.at, backend: node.backend, bypass: node.bypass, bends: node.bends.clone() };
         let keys = keys.give(&Map::new());
         let mut map = Map::new();
         map.insert("kind".into(), node.kind.id().into());
