@@ -27,8 +27,10 @@
 //! memory. *Caching:* a key is the hash of kind, version, canonical parameters, input keys, file contents and declared
 //! settings; a result adds its grid.
 //!
-//! # Faces: [`cli`], [`files`], [`render`]
-//! They hold no state of their own. *Caching:* none; a build is the same whether the engine was warm or cold.
+//! # Faces: [`cli`], `editor`, [`files`], [`render`]
+//! They hold no state of their own but what a window needs: the editor's document is the graph with its history, and it
+//! asks the engine from a thread beside the window. *Caching:* none; a build is the same whether the engine was warm or
+//! cold.
 
 pub mod cli;
 pub mod context;
