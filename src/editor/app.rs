@@ -14,20 +14,17 @@ use super::document::Document;
 use super::evaluator::{Evaluator, Order};
 use super::notices::Notices;
 use super::panels::Tab;
-use super::recovery::{Claim, Claimed, Keeper, claim};
+use super::recovery::{Claim, Keeper};
 use super::settings::Settings;
 use super::shade::{Look, Mode};
+use super::theme;
 use super::views::map::MapView;
 use super::views::relief::ReliefView;
 use super::watch::FileWatch;
-use super::{actions, theme};
-use crate::engine::{Files, Options, kept_folders};
+use crate::engine::Options;
 use crate::graph::{Graph, NodeId, Source};
 use crate::nodes::Registry;
 use crate::value::Grid;
-
-/// Estimated seconds of an evaluation that opening a graph starts without asking.
-const PATIENCE: f64 = 60.0;
 
 /// How an editor starts.
 pub struct Setup {
@@ -81,21 +78,21 @@ pub struct Editor {
     pub(super) evaluator: Option<Evaluator>,
     /// The state whose estimate was over the limit and was accepted.
     pub(super) accepted: Option<u64>,
-    ordered: Option<Ordered>,
-    home: Option<PathBuf>,
-    keeper: Option<Keeper>,
-    claim: Option<Claim>,
-    watch: Option<FileWatch>,
+    pub(super) ordered: Option<Ordered>,
+    pub(super) home: Option<PathBuf>,
+    pub(super) keeper: Option<Keeper>,
+    pub(super) claim: Option<Claim>,
+    pub(super) watch: Option<FileWatch>,
     map_pixels: egui::Vec2,
     title: String,
-    options: Options,
+    pub(super) options: Options,
     /// What a window that is being closed waits for.
     pub(super) closing: bool,
 }
 
 /// The last order, to see whether another is due.
 #[derive(Clone, Debug, PartialEq)]
-struct Ordered {
+pub(super) struct Ordered {
     state: u64,
     target: Option<Source>,
     size: u32,
@@ -194,77 +191,6 @@ impl Editor {
 
     pub(super) fn set_theme(&self, ctx: &Context) {
         ctx.set_theme(if self.settings.dark { egui::Theme::Dark } else { egui::Theme::Light });
-    }
-
-    /// Opens a file in place of the document; what is on the desk is given up.
-    pub(super) fn open(&mut self, ctx: &Context, path: &Path) {
-        match Document::open(path, &self.registry) {
-            Ok(document) => {
-                self.settings.opened(path);
-                self.adopt(ctx, document);
-            }
-            Err(e) => {
-                self.notices.fail(format!("{} cannot be opened: {e}", path.display()));
-                if self.evaluator.is_none() {
-                    self.start_evaluator(ctx);
-                }
-            }
-        }
-        self.write_settings();
-    }
-
-    /// Puts a document on the desk.
-    pub(super) fn adopt(&mut self, ctx: &Context, document: Document) {
-        self.document = document;
-        self.canvas.chosen = Default::default();
-        self.canvas.show_all();
-        self.map.show_all();
-        (self.pinned, self.output, self.accepted) = (None, None, None);
-        self.reclaim(ctx);
-        self.choose_result();
-        self.start_evaluator(ctx);
-    }
-
-    /// Shows what the first output of the graph reads.
-    fn choose_result(&mut self) {
-        let graph = self.document.graph();
-        let first = graph.outputs().find_map(|(name, _)| graph.output_source(name).ok());
-        self.pinned = first.map(|s| s.node);
-    }
-
-    /// Claims the file of the document and watches it; warns when another editor has it.
-    pub(super) fn reclaim(&mut self, ctx: &Context) {
-        self.claim = None;
-        let wake = ctx.clone();
-        let watch = |path: &Path| FileWatch::on(path, move || wake.request_repaint());
-        self.watch = self.document.path().map(watch);
-        let (Some(home), Some(path)) = (&self.home, self.document.path()) else { return };
-        match claim(home, path) {
-            Claimed::Ours(claim) => self.claim = Some(claim),
-            Claimed::Taken => self.notices.fail(
-                "Another editor has this file open. Save under another name, or close it there, so that neither \
-                 overwrites the other",
-            ),
-            Claimed::Unknown => (),
-        }
-    }
-
-    /// Starts the engine over the folder of the document.
-    pub(super) fn start_evaluator(&mut self, ctx: &Context) {
-        let mut files = Files::default();
-        let folder = self.document.path().map(|p| p.parent().unwrap_or(Path::new(".")).to_owned());
-        for folder in folder.into_iter().chain(kept_folders()) {
-            if let Err(e) = files.allow_folder(&folder) {
-                self.notices.fail(format!("{} cannot be read: {e}", folder.display()));
-            }
-        }
-        let repaint = ctx.clone();
-        let started = Evaluator::start(&self.options, files, PATIENCE, move || repaint.request_repaint());
-        self.ordered = None;
-        match started {
-            Ok(evaluator) => self.evaluator = Some(evaluator),
-            Err(e) => self.notices.fail(format!("Nothing can be evaluated: {e}")),
-        }
     }
 
     /// The node that the view shows: the pinned one, else the only chosen one.
@@ -424,45 +350,6 @@ impl Editor {
         }
     }
 
-    /// Looks whether somebody else has changed the file.
-    fn look_at_disk(&mut self, ctx: &Context) {
-        if self.dialog.is_modal() || !self.watch.as_ref().is_some_and(FileWatch::take) {
-            return;
-        }
-        let Some(bytes) = self.document.foreign_change() else { return };
-        if self.document.is_unsaved() {
-            self.dialog = Dialog::Changed(bytes);
-        } else {
-            self.reload(bytes);
-        }
-        ctx.request_repaint();
-    }
-
-    pub(super) fn reload(&mut self, bytes: Vec<u8>) {
-        match self.document.reload(bytes) {
-            Ok(()) => {
-                // The nodes of the new graph are others, whatever their names.
-                self.canvas.chosen = Default::default();
-                self.choose_result();
-                self.notices.say("The file was changed by another program and has been read again");
-            }
-            Err(e) => {
-                self.notices
-                    .fail(format!("The file was changed by another program and is no graph now: {e}"));
-            }
-        }
-    }
-
-    /// Keeps unsaved work.
-    fn keep(&mut self, ctx: &Context) {
-        let Some(keeper) = &mut self.keeper else { return };
-        match keeper.keep(&self.document) {
-            Ok(Some(wait)) => ctx.request_repaint_after(wait),
-            Ok(None) => (),
-            Err(e) => self.notices.fail(format!("Unsaved work cannot be kept: {e}. Save now")),
-        }
-    }
-
     pub(super) fn write_settings(&mut self) {
         self.settings.snap = self.canvas.snap;
         (self.settings.look, self.settings.charts) = (self.map.look, self.map.charts);
@@ -479,17 +366,6 @@ impl Editor {
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;
-        }
-    }
-
-    /// Asks before a window with unsaved work closes.
-    fn close(&mut self, ctx: &Context) {
-        let asked = ctx.input(|i| i.viewport().close_requested());
-        if asked && self.document.is_unsaved() && !self.closing {
-            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.dialog = Dialog::Unsaved(actions::After::Quit);
-        } else if asked {
-            self.write_settings();
         }
     }
 

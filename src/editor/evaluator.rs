@@ -1,26 +1,23 @@
 //! Evaluation beside the window: one thread takes the newest order, gives up what is stale, and puts what it finds on
 //! a board that the window looks at. The window never waits for it.
 
-use std::collections::BTreeMap;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use serde_json::Value as Json;
-
 use super::board::{Board, Made, NodeState, Seen, Shown};
+use super::draft::{draft_of, preview};
 use super::shade::{Look, picture};
+use super::watcher::Watcher;
 use crate::context::Cancel;
-use crate::engine::{Engine, EngineError, Files, Observer, Options, Plan, Want};
+use crate::engine::{Engine, EngineError, Files, Options, Want};
 use crate::graph::{Graph, NodeId, Source};
 use crate::render::{Scene, Watch, map};
-use crate::value::{Field, Grid, Quantity, Terrain, Value};
+use crate::value::{Field, Grid, Quantity, Value};
 
 /// Samples along the longer side of a thumbnail.
 const THUMBNAIL: u32 = 97;
 /// Estimated seconds from which a draft is shown before the exact result.
 const DRAFT_ABOVE: f64 = 0.12;
-/// How much coarser a draft is, along a side.
-const DRAFT: u32 = 4;
 /// Estimated seconds of a thumbnail that nobody asked for.
 const THUMBNAIL_SECONDS: f64 = 4.0;
 
@@ -222,7 +219,8 @@ impl Shared {
         if engine.admit(&plan).is_err() || plan.seconds() > self.patience {
             return Ok(());
         }
-        let watch = Watcher { shared: self, graph: &order.graph, tasks: Mutex::default() };
+        let tell = |node, state| self.tell(|board| board.node(node, state));
+        let watch = Watcher::new(&order.graph, &tell);
         let evaluation = match engine.evaluate(&order.graph, &[want], &watch, cancel) {
             Ok(evaluation) => evaluation,
             Err(_) if cancel.is_cancelled() => return Err(Stopped),
@@ -249,7 +247,8 @@ impl Shared {
         draft: bool,
         cancel: &Cancel,
     ) -> Result<(), Stopped> {
-        let watch = Watcher { shared: self, graph, tasks: Mutex::default() };
+        let tell = |node, state| self.tell(|board| board.node(node, state));
+        let watch = Watcher::new(graph, &tell);
         let evaluation = match engine.evaluate(graph, std::slice::from_ref(want), &watch, cancel) {
             Ok(evaluation) => evaluation,
             Err(EngineError::Cancelled) => return Err(Stopped),
@@ -337,7 +336,8 @@ impl Shared {
         if plan.seconds() > THUMBNAIL_SECONDS || engine.admit(&plan).is_err() {
             return Ok(());
         }
-        let watch = Watcher { shared: self, graph, tasks: Mutex::default() };
+        let tell = |node, state| self.tell(|board| board.node(node, state));
+        let watch = Watcher::new(graph, &tell);
         match engine.evaluate(graph, &want, &watch, cancel) {
             Err(EngineError::Cancelled) => return Err(Stopped),
             Err(_) => (),
@@ -383,65 +383,3 @@ fn value_range(value: &Value) -> Option<(f32, f32)> {
 
 /// The work was given up.
 struct Stopped;
-
-/// The grid of the whole terrain with at most so many samples along the longer side.
-fn preview(terrain: &Terrain, size: u32) -> Option<Grid> {
-    (2..=size).rev().take(512).find_map(|size| terrain.grid(size).ok())
-}
-
-/// The graph with a coarser base grid, and its coarser preview; none where the terrain has no coarser one.
-fn draft_of(graph: &Graph, size: u32) -> Option<(Graph, Grid)> {
-    let intervals = graph.terrain().base - 1;
-    let base = intervals.is_multiple_of(DRAFT).then(|| intervals / DRAFT + 1)?;
-    let mut draft = graph.clone();
-    let exposed = graph.exposed().find(|(_, e)| e.bind.iter().any(|b| b == "terrain.base"));
-    let set = match exposed {
-        Some((name, _)) => draft.set_exposed(name, Json::from(base)),
-        None => draft.set_terrain("base", Json::from(base)),
-    };
-    set.ok()?;
-    let fits = draft.terrain().base == base && draft.terrain().fault().is_none();
-    let grid = preview(draft.terrain(), (size - 1) / DRAFT + 1)?;
-    fits.then_some((draft, grid))
-}
-
-/// Puts the course of an evaluation on the board.
-struct Watcher<'a> {
-    shared: &'a Shared,
-    graph: &'a Graph,
-    tasks: Mutex<Vec<Option<NodeId>>>,
-}
-
-impl Watcher<'_> {
-    fn at(&self, task: usize, state: NodeState) {
-        let node = lock(&self.tasks).get(task).copied().flatten();
-        if let Some(node) = node {
-            self.shared.tell(|board| board.node(node, state));
-        }
-    }
-}
-
-impl Observer for Watcher<'_> {
-    fn planned(&self, plan: &Plan) {
-        let node = |name: &str| self.graph.find(name);
-        let tasks = plan.tasks();
-        // What the cache has takes no time worth telling.
-        let id = |t: &crate::engine::PlannedTask| t.cached.is_none().then(|| node(&t.node)).flatten();
-        *lock(&self.tasks) = tasks.iter().map(id).collect();
-        let waiting: BTreeMap<NodeId, NodeState> =
-            tasks.iter().filter_map(id).map(|id| (id, NodeState::Waiting)).collect();
-        self.shared.tell(|board| waiting.into_iter().for_each(|(id, state)| board.node(id, state)));
-    }
-
-    fn started(&self, task: usize) {
-        self.at(task, NodeState::Running(0.0));
-    }
-
-    fn progress(&self, task: usize, share: f32) {
-        self.at(task, NodeState::Running(share));
-    }
-
-    fn finished(&self, task: usize, seconds: f64) {
-        self.at(task, NodeState::Done(seconds));
-    }
-}

@@ -4,6 +4,8 @@
 mod device;
 mod orbit;
 mod pieces;
+mod pipeline;
+mod texture;
 
 use std::sync::Arc;
 

@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn the_target_is_in_the_middle_and_east_is_right_when_looking_north() {
-        let orbit = Orbit { azimuth: 180.0, ..Orbit::default() };
+        let orbit = Orbit { azimuth: 180.0, target: Vec3::ZERO, ..Orbit::default() };
         let to_screen = orbit.projection(1.5, 8000.0);
         let at = |v: Vec3| to_screen.project_point3(v);
         let middle = at(Vec3::ZERO);

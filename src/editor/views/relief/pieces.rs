@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     fn sight(size: u32, coarseness: f32) -> Sight {
-        let orbit = Orbit::default();
+        let orbit = Orbit { distance: 0.5, pitch: 20.0, ..Orbit::default() };
         Sight {
             to_screen: orbit.projection(1.6, 8192.0),
             eye: orbit.eye() * 8192.0,
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn near_pieces_are_finer_and_their_number_is_bounded() {
-        let fine = pieces(&sight(4097, 2.0));
+        let fine = pieces(&sight(4097, 2.5));
         let strides: Vec<f32> = fine.iter().map(|p| p.stride).collect();
         let (least, most) = strides.iter().fold((f32::MAX, 0.0f32), |(a, b), s| (a.min(*s), b.max(*s)));
         assert!(least < most, "{least} {most}");

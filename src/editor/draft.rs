@@ -1,0 +1,30 @@
+//! Coarser stand-ins: the grid of a preview, and a graph whose global nodes run on a coarser base grid.
+
+use serde_json::Value as Json;
+
+use crate::graph::Graph;
+use crate::value::{Grid, Terrain};
+
+/// How much coarser a draft is, along a side.
+const DRAFT: u32 = 4;
+
+/// The grid of the whole terrain with at most so many samples along the longer side.
+pub(super) fn preview(terrain: &Terrain, size: u32) -> Option<Grid> {
+    (2..=size).rev().take(512).find_map(|size| terrain.grid(size).ok())
+}
+
+/// The graph with a coarser base grid, and its coarser preview; none where the terrain has no coarser one.
+pub(super) fn draft_of(graph: &Graph, size: u32) -> Option<(Graph, Grid)> {
+    let intervals = graph.terrain().base - 1;
+    let base = intervals.is_multiple_of(DRAFT).then(|| intervals / DRAFT + 1)?;
+    let mut draft = graph.clone();
+    let exposed = graph.exposed().find(|(_, e)| e.bind.iter().any(|b| b == "terrain.base"));
+    let set = match exposed {
+        Some((name, _)) => draft.set_exposed(name, Json::from(base)),
+        None => draft.set_terrain("base", Json::from(base)),
+    };
+    set.ok()?;
+    let fits = draft.terrain().base == base && draft.terrain().fault().is_none();
+    let grid = preview(draft.terrain(), (size - 1) / DRAFT + 1)?;
+    fits.then_some((draft, grid))
+}

@@ -1,0 +1,140 @@
+//! The document and its file: opened, claimed, watched, kept from crashes.
+
+use std::path::Path;
+
+use eframe::egui::{Context, ViewportCommand};
+
+use super::actions;
+use super::app::Editor;
+use super::dialogs::Dialog;
+use super::document::Document;
+use super::evaluator::Evaluator;
+use super::recovery::{Claimed, claim};
+use super::watch::FileWatch;
+use crate::engine::{Files, kept_folders};
+
+/// Estimated seconds of an evaluation that opening a graph starts without asking.
+const PATIENCE: f64 = 60.0;
+
+impl Editor {
+    /// Opens a file in place of the document; what is on the desk is given up.
+    pub(super) fn open(&mut self, ctx: &Context, path: &Path) {
+        match Document::open(path, &self.registry) {
+            Ok(document) => {
+                self.settings.opened(path);
+                self.adopt(ctx, document);
+            }
+            Err(e) => {
+                self.notices.fail(format!("{} cannot be opened: {e}", path.display()));
+                if self.evaluator.is_none() {
+                    self.start_evaluator(ctx);
+                }
+            }
+        }
+        self.write_settings();
+    }
+
+    /// Puts a document on the desk.
+    pub(super) fn adopt(&mut self, ctx: &Context, document: Document) {
+        self.document = document;
+        self.canvas.chosen = Default::default();
+        self.canvas.show_all();
+        self.map.show_all();
+        (self.pinned, self.output, self.accepted) = (None, None, None);
+        self.reclaim(ctx);
+        self.choose_result();
+        self.start_evaluator(ctx);
+    }
+
+    /// Shows what the first output of the graph reads.
+    fn choose_result(&mut self) {
+        let graph = self.document.graph();
+        let first = graph.outputs().find_map(|(name, _)| graph.output_source(name).ok());
+        self.pinned = first.map(|s| s.node);
+    }
+
+    /// Claims the file of the document and watches it; warns when another editor has it.
+    pub(super) fn reclaim(&mut self, ctx: &Context) {
+        self.claim = None;
+        let wake = ctx.clone();
+        let watch = |path: &Path| FileWatch::on(path, move || wake.request_repaint());
+        self.watch = self.document.path().map(watch);
+        let (Some(home), Some(path)) = (&self.home, self.document.path()) else { return };
+        match claim(home, path) {
+            Claimed::Ours(claim) => self.claim = Some(claim),
+            Claimed::Taken => self.notices.fail(
+                "Another editor has this file open. Save under another name, or close it there, so that neither \
+                 overwrites the other",
+            ),
+            Claimed::Unknown => (),
+        }
+    }
+
+    /// Starts the engine over the folder of the document.
+    pub(super) fn start_evaluator(&mut self, ctx: &Context) {
+        let mut files = Files::default();
+        let folder = self.document.path().map(|p| p.parent().unwrap_or(Path::new(".")).to_owned());
+        for folder in folder.into_iter().chain(kept_folders()) {
+            if let Err(e) = files.allow_folder(&folder) {
+                self.notices.fail(format!("{} cannot be read: {e}", folder.display()));
+            }
+        }
+        let repaint = ctx.clone();
+        let started = Evaluator::start(&self.options, files, PATIENCE, move || repaint.request_repaint());
+        self.ordered = None;
+        match started {
+            Ok(evaluator) => self.evaluator = Some(evaluator),
+            Err(e) => self.notices.fail(format!("Nothing can be evaluated: {e}")),
+        }
+    }
+
+    /// Looks whether somebody else has changed the file.
+    pub(super) fn look_at_disk(&mut self, ctx: &Context) {
+        if self.dialog.is_modal() || !self.watch.as_ref().is_some_and(FileWatch::take) {
+            return;
+        }
+        let Some(bytes) = self.document.foreign_change() else { return };
+        if self.document.is_unsaved() {
+            self.dialog = Dialog::Changed(bytes);
+        } else {
+            self.reload(bytes);
+        }
+        ctx.request_repaint();
+    }
+
+    pub(super) fn reload(&mut self, bytes: Vec<u8>) {
+        match self.document.reload(bytes) {
+            Ok(()) => {
+                // The nodes of the new graph are others, whatever their names.
+                self.canvas.chosen = Default::default();
+                self.choose_result();
+                self.notices.say("The file was changed by another program and has been read again");
+            }
+            Err(e) => {
+                self.notices
+                    .fail(format!("The file was changed by another program and is no graph now: {e}"));
+            }
+        }
+    }
+
+    /// Keeps unsaved work.
+    pub(super) fn keep(&mut self, ctx: &Context) {
+        let Some(keeper) = &mut self.keeper else { return };
+        match keeper.keep(&self.document) {
+            Ok(Some(wait)) => ctx.request_repaint_after(wait),
+            Ok(None) => (),
+            Err(e) => self.notices.fail(format!("Unsaved work cannot be kept: {e}. Save now")),
+        }
+    }
+
+    /// Asks before a window with unsaved work closes.
+    pub(super) fn close(&mut self, ctx: &Context) {
+        let asked = ctx.input(|i| i.viewport().close_requested());
+        if asked && self.document.is_unsaved() && !self.closing {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.dialog = Dialog::Unsaved(actions::After::Quit);
+        } else if asked {
+            self.write_settings();
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Tells how far the nodes of an evaluation are.
+
+use std::sync::{Mutex, PoisonError};
+
+use super::board::NodeState;
+use crate::engine::{Observer, Plan, PlannedTask};
+use crate::graph::{Graph, NodeId};
+
+/// Observes one evaluation after the other and tells each node's state.
+pub(super) struct Watcher<'a> {
+    graph: &'a Graph,
+    tell: &'a (dyn Fn(NodeId, NodeState) + Sync),
+    /// The node of each task that takes time.
+    tasks: Mutex<Vec<Option<NodeId>>>,
+}
+
+impl<'a> Watcher<'a> {
+    pub(super) fn new(graph: &'a Graph, tell: &'a (dyn Fn(NodeId, NodeState) + Sync)) -> Self {
+        Self { graph, tell, tasks: Mutex::default() }
+    }
+
+    fn at(&self, task: usize, state: NodeState) {
+        let tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(node) = tasks.get(task).copied().flatten() {
+            (self.tell)(node, state);
+        }
+    }
+}
+
+impl Observer for Watcher<'_> {
+    fn planned(&self, plan: &Plan) {
+        // What the cache has takes no time worth telling.
+        let node = |t: &PlannedTask| t.cached.is_none().then(|| self.graph.find(&t.node)).flatten();
+        let nodes: Vec<Option<NodeId>> = plan.tasks().iter().map(node).collect();
+        nodes.iter().flatten().for_each(|id| (self.tell)(*id, NodeState::Waiting));
+        *self.tasks.lock().unwrap_or_else(PoisonError::into_inner) = nodes;
+    }
+
+    fn started(&self, task: usize) {
+        self.at(task, NodeState::Running(0.0));
+    }
+
+    fn progress(&self, task: usize, share: f32) {
+        self.at(task, NodeState::Running(share));
+    }
+
+    fn finished(&self, task: usize, seconds: f64) {
+        self.at(task, NodeState::Done(seconds));
+    }
+}
