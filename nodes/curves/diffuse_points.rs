@@ -7,7 +7,7 @@ use crate::prelude::*;
 ///
 /// A membrane solves Laplace's equation, `Δu = 0`, with a level border, and no value leaves the range of the known
 /// ones. A thin plate makes the bending `∫ u_xx² + 2 u_xy² + u_yy²` least, `ΔΔu = 0`, with a free border: slopes go on
-/// through the known samples and beyond them, and values may leave the range [szeliski1990]. Both are solved to an
+/// through the known samples and beyond them, and values may leave the range \[szeliski1990\]. Both are solved to an
 /// error of a hundred-thousandth of the range, and known samples stay as they are, to the bit.
 ///
 /// # Limits
