@@ -38,7 +38,10 @@ fn stand(sample: vec2<f32>, z: f32) -> vec4<f32> {
 fn ground(@location(0) part: vec3<f32>, @location(1) piece: vec3<f32>) -> Corner {
     let last = scene.size.xy - 1.0;
     let sample = min(piece.xy + part.xy * piece.z, last);
-    let z = height(vec2<i32>(sample)) - part.z * piece.z * scene.place.z * 2.0;
+    // At the border of the terrain the walls close the block, and a skirt would lie in their plane.
+    let inside = all(sample > vec2<f32>(0.0)) && all(sample < last);
+    let skirt = select(0.0, part.z * piece.z * scene.place.z * 2.0, inside);
+    let z = height(vec2<i32>(sample)) - skirt;
     var out: Corner;
     out.position = stand(sample, z);
     out.uv = (sample + 0.5) / scene.size.xy;

@@ -230,7 +230,7 @@ impl Editor {
     }
 
     fn palette(&mut self, ctx: &Context, mut finder: Finder) -> Option<Dialog> {
-        let commands = Command::ALL.into_iter().filter(|c| self.can(*c) && *c != Command::Palette);
+        let commands = Command::ALL.iter().copied().filter(|c| self.can(*c) && *c != Command::Palette);
         let hits = finder.hits(commands, |c| (c.name().to_owned(), c.help()));
         let picked = finder.show(ctx, "commands", &hits, |ui, c| {
             let key = c.shortcut().map(|s| ui.ctx().format_shortcut(&s)).unwrap_or_default();

@@ -81,12 +81,9 @@ fn a_file_changed_by_others_is_read_again_or_asked_about() {
 /// Where the process that is to be killed keeps its work.
 const HOME: &str = "OROGRAPH_TEST_HOME";
 
-/// Not a test by itself: edits until it is killed.
-#[test]
-#[ignore = "run by the next test, in a process of its own"]
-fn edits_until_killed() {
-    let Some(home) = std::env::var_os(HOME) else { return };
-    let mut window = with_home(Path::new(&home), None);
+/// Edits until the process is killed.
+fn edit_until_killed(home: &Path) -> ! {
+    let mut window = with_home(home, None);
     window.add(ground(20.0, 30.0), "fractal");
     loop {
         window.steps(1);
@@ -94,11 +91,15 @@ fn edits_until_killed() {
     }
 }
 
+/// Runs itself once more in a process of its own, which it kills.
 #[test]
 fn a_killed_editor_loses_nothing() {
+    if let Some(home) = std::env::var_os(HOME) {
+        edit_until_killed(Path::new(&home));
+    }
     let home = tempfile::tempdir().unwrap();
     let mut victim = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "editor::files::edits_until_killed", "--ignored"])
+        .args(["--exact", "editor::files::a_killed_editor_loses_nothing"])
         .env(HOME, home.path())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
