@@ -1,5 +1,6 @@
 //! Tests of feature curves: the model, the raster, import.
 
+mod edit;
 mod import;
 mod land;
 mod model;

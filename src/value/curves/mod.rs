@@ -24,6 +24,7 @@
 
 pub mod bezier;
 mod build;
+pub mod edit;
 mod error;
 pub mod smooth;
 mod spec;
