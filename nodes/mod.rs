@@ -74,7 +74,7 @@ registry! {
         warp: Warp,
     }
 
-    /// Finds places by height, slope, direction or form, and shows them.
+    /// Finds places by height, slope, direction, form or hand, and shows them.
     select {
         colorize: Colorize,
         distance: Distance,
@@ -82,6 +82,7 @@ registry! {
         hillshade: Hillshade,
         normals: Normals,
         occlusion: Occlusion,
+        paint_mask: PaintMask,
         select_aspect: SelectAspect,
         select_curvature: SelectCurvature,
         select_height: SelectHeight,

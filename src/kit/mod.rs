@@ -12,6 +12,7 @@ pub mod math;
 pub mod median;
 pub mod morphology;
 pub mod noise;
+pub mod paint;
 pub mod ramp;
 pub mod rows;
 pub mod sample;

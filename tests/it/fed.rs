@@ -48,6 +48,16 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
             set.insert("mapping".into(), json!({ "height": { "property": { "name": "h" } } }));
         }
     }
+    // Nothing drawn would be nothing tested.
+    for p in kind.params().iter().filter(|p| p.widget.as_deref() == Some("strokes")) {
+        set.entry(p.name.clone()).or_insert_with(|| {
+            json!([
+                { "path": [300, 400, 1500, 900, 3000, 500], "radius": 450 },
+                { "path": [2000, 1500], "radius": 800, "softness": 1, "strength": 0.6 },
+                { "path": [1200, 100, 1300, 1900], "radius": 200, "softness": 0, "value": 0 },
+            ])
+        });
+    }
     let mut inputs = Map::new();
     for (i, port) in kind.inputs().enumerate().filter(|(_, p)| p.name != "mask" || mask.is_none()) {
         let wanted = match port.wire {
@@ -92,7 +102,7 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
 }
 
 fn is_share(port: &str) -> bool {
-    matches!(port, "mask" | "known" | "roughness" | "shade" | "amount")
+    matches!(port, "mask" | "below" | "known" | "roughness" | "shade" | "amount")
 }
 
 /// All outputs of the node, or the first failure.

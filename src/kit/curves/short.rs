@@ -31,7 +31,7 @@ pub enum Grain {
 }
 
 /// A side of a curve, for somebody who walks along it and looks ahead.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
     /// North of a curve to the east.
