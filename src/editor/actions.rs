@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{Context, ViewportCommand};
+use eframe::egui::{Context, Rect, ViewportCommand, pos2, vec2};
 use serde_json::Value as Json;
 
 use super::app::{Editor, FileFor};
@@ -13,6 +13,8 @@ use super::canvas::{Chosen, GRID};
 use super::command::Command;
 use super::dialogs::Dialog;
 use super::document::Document;
+use super::drawing::sheet::Sheet;
+use super::drawing::{Drawing, Pad, Tool};
 use super::ops;
 use super::panels::Tab;
 use crate::graph::{Graph, NodeId, Note, Problem};
@@ -64,9 +66,16 @@ impl Editor {
             }
             Command::AlignLeft => self.on_chosen("Align left", |g, ids| align(g, ids, Side::Left)),
             Command::AlignTop => self.on_chosen("Align top", |g, ids| align(g, ids, Side::Top)),
+            Command::Draw => self.draw(),
+            Command::Paint => self.paint(),
+            Command::Compare => self.wipe.on = !self.wipe.on,
             Command::FrameView => self.canvas.frame(self.document.graph()),
             Command::Snap => {
                 self.canvas.snap = !self.canvas.snap;
+                self.write_settings();
+            }
+            Command::Times => {
+                self.settings.times = !self.settings.times;
                 self.write_settings();
             }
             Command::Palette => self.dialog = Dialog::palette(),
@@ -167,6 +176,10 @@ impl Editor {
     }
 
     fn remove(&mut self, bridge: bool) {
+        let (drawing, mut pad) = self.pad();
+        if drawing.delete(&mut pad) {
+            return;
+        }
         let Chosen { nodes, notes } = std::mem::take(&mut self.canvas.chosen);
         if nodes.is_empty() && notes.is_empty() {
             return;
@@ -176,12 +189,77 @@ impl Editor {
         self.edit(&label, |g| ops::remove(g, &nodes, &notes, bridge));
     }
 
+    /// The drawing of the chosen node.
+    fn pad(&mut self) -> (&mut Drawing, Pad<'_>) {
+        let chosen = &self.canvas.chosen.nodes;
+        let node = chosen.first().copied().filter(|_| chosen.len() == 1);
+        (&mut self.drawing, Pad { document: &mut self.document, notices: &mut self.notices, node })
+    }
+
+    /// Draws curves: on the chosen node where it holds some, else on new nodes that make land of them.
+    fn draw(&mut self) {
+        let (drawing, pad) = self.pad();
+        drawing.look(&pad);
+        if matches!(drawing.sheet(), Some(Sheet::Curves(_) | Sheet::Trail(_))) {
+            drawing.begin();
+            return;
+        }
+        let at = self.canvas.place();
+        let new = self
+            .edit("Draw curves", |g| ops::add_chain(g, at, &["feature_curves", "curve_raster", "diffuse"]));
+        if let Some([first, .., last]) = new.as_deref() {
+            self.hold_view(*last);
+            self.canvas.chosen = Chosen::only(*first);
+            let (drawing, pad) = self.pad();
+            drawing.look(&pad);
+            drawing.begin();
+        }
+    }
+
+    /// Paints a mask: on the chosen node where it holds one, else on a new one.
+    fn paint(&mut self) {
+        let (drawing, pad) = self.pad();
+        drawing.look(&pad);
+        if !matches!(drawing.sheet(), Some(Sheet::Strokes(_))) {
+            let at = self.free_place();
+            let new = self.edit("Paint mask", |g| ops::add_chain(g, at, &["paint_mask"]));
+            let Some(&[id]) = new.as_deref() else { return };
+            self.hold_view(id);
+            self.canvas.chosen = Chosen::only(id);
+            let (drawing, pad) = self.pad();
+            drawing.look(&pad);
+        }
+        let terrain = self.graph().terrain();
+        let long = terrain.width.max(terrain.depth);
+        let brush = &mut self.drawing.brush.radius.0;
+        // A brush that is a dot or the whole world is of no use.
+        *brush = brush.clamp(long / 1000.0, long / 4.0);
+        self.drawing.tool = Tool::Brush;
+    }
+
+    /// Where new nodes cover no others: where the pointer is, else under all.
+    fn free_place(&self) -> [f64; 2] {
+        let [x, y] = self.canvas.place();
+        let graph = self.document.graph();
+        let room = Rect::from_min_size(pos2(x as f32, y as f32), vec2(800.0, 160.0));
+        if graph.nodes().all(|id| !covered(graph, [id], []).intersects(room)) {
+            return [x, y];
+        }
+        let all = covered(graph, graph.nodes(), []);
+        [all.left(), all.bottom() + 2.0 * GRID].map(|v| f64::from((v / GRID).ceil() * GRID))
+    }
+
+    /// Keeps what the view shows while another node is chosen; where it shows nothing, it shows a new node.
+    fn hold_view(&mut self, new: NodeId) {
+        self.pinned = Some(self.shown_node().unwrap_or(new));
+    }
+
     fn add_note(&mut self) {
         let graph = self.document.graph();
         let chosen = &self.canvas.chosen;
         let around = covered(graph, chosen.nodes.iter().copied(), []);
         let note = if around.is_positive() {
-            let rect = around.expand2(eframe::egui::vec2(GRID, GRID));
+            let rect = around.expand2(vec2(GRID, GRID));
             let top = rect.top() - super::canvas::layout::NOTE_HEAD;
             Note {
                 at: [f64::from(rect.left()), f64::from(top)],

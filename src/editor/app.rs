@@ -6,25 +6,28 @@ use eframe::egui::{self, Context, Ui};
 use eframe::wgpu::TextureFormat;
 
 use super::ask::{Answer, Asker, Question, system};
+use super::board::{Measured, Scenery};
 use super::build::BuildDialog;
 use super::canvas::{Canvas, Desk};
 use super::command::Command;
 use super::dialogs::Dialog;
 use super::document::Document;
+use super::drawing::{Drawing, Pad};
 use super::evaluator::{Evaluator, Order};
 use super::notices::Notices;
 use super::panels::Tab;
 use super::recovery::{Claim, Keeper};
 use super::settings::Settings;
-use super::shade::{Look, Mode};
+use super::shade::{Light, Mode};
 use super::theme;
 use super::views::map::MapView;
 use super::views::relief::ReliefView;
+use super::views::wipe::Wipe;
 use super::watch::FileWatch;
 use crate::engine::Options;
 use crate::graph::{Graph, NodeId, Source};
 use crate::nodes::Registry;
-use crate::value::Grid;
+use crate::value::{Grid, WireType};
 
 /// How an editor starts.
 pub struct Setup {
@@ -64,6 +67,8 @@ pub struct Editor {
     pub(super) canvas: Canvas,
     pub(super) map: MapView,
     pub(super) relief: ReliefView,
+    pub(super) wipe: Wipe,
+    pub(super) drawing: Drawing,
     pub(super) view: Page,
     pub(super) notices: Notices,
     pub(super) settings: Settings,
@@ -73,6 +78,8 @@ pub struct Editor {
     pub(super) pinned: Option<NodeId>,
     /// Of the shown node, the output that is shown; its first where it has none of the name.
     pub(super) output: Option<&'static str>,
+    /// What colours the terrain; none for its own colours.
+    pub(super) drape: Option<Source>,
     pub(super) asking: Option<(FileFor, Answer)>,
     pub(super) asker: Asker,
     pub(super) evaluator: Option<Evaluator>,
@@ -94,11 +101,10 @@ pub struct Editor {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ordered {
     state: u64,
-    target: Option<Source>,
-    size: u32,
-    look: Look,
-    lit: bool,
+    scene: Option<Scenery>,
+    light: Option<Light>,
     detail: Option<Grid>,
+    build: Option<Measured>,
     accepted: Option<u64>,
 }
 
@@ -135,6 +141,8 @@ impl Editor {
             canvas,
             map,
             relief: ReliefView::new(setup.format),
+            wipe: Wipe::default(),
+            drawing: Drawing::default(),
             view: Page::Map,
             notices,
             settings,
@@ -143,6 +151,7 @@ impl Editor {
             tab: Tab::Node,
             pinned: None,
             output: None,
+            drape: None,
             asking: None,
             asker: setup.asker,
             evaluator: None,
@@ -170,6 +179,16 @@ impl Editor {
         &self.document
     }
 
+    /// The document, for changes that no hand in the window makes.
+    pub fn document_mut(&mut self) -> &mut Document {
+        &mut self.document
+    }
+
+    /// Shows the terrain in space, with so many samples along its longer side.
+    pub fn show_relief(&mut self, samples: u32) {
+        (self.view, self.map.samples) = (Page::Relief, Some(samples));
+    }
+
     /// Whether something is being evaluated.
     pub fn is_busy(&self) -> bool {
         self.evaluator.as_ref().is_some_and(Evaluator::is_busy) || self.ordered != Some(self.wish())
@@ -182,6 +201,11 @@ impl Editor {
             crate::value::Value::Field(field) => field.range(),
             _ => None,
         }
+    }
+
+    /// Counts up with each thing that is shown, drafts included.
+    pub fn showings(&self) -> u64 {
+        self.evaluator.as_ref().map_or(0, |e| e.board().showings)
     }
 
     /// How many nodes have a picture.
@@ -209,14 +233,42 @@ impl Editor {
         Some(Source { node, port: named.or(outputs.first())?.name })
     }
 
+    /// What the shown terrain is compared with: the chosen node where another is pinned, else what goes into the shown
+    /// one.
+    pub(super) fn against(&self) -> Option<Source> {
+        let target = self.target().filter(|_| self.wipe.on)?;
+        let graph = self.document.graph();
+        let chosen = &self.canvas.chosen.nodes;
+        let other = chosen.first().filter(|id| chosen.len() == 1 && **id != target.node);
+        let of_chosen = other.and_then(|id| {
+            let port = graph.get(*id)?.kind()?.outputs.iter().find(|p| p.wire == WireType::Field)?;
+            Some(Source { node: *id, port: port.name })
+        });
+        let before = || {
+            let input = graph.get(target.node)?.kind()?.bridge(target.port)?;
+            graph.source(target.node, input)
+        };
+        of_chosen.or_else(before)
+    }
+
+    fn scene(&self) -> Option<Scenery> {
+        let target = self.target()?;
+        let graph = self.document.graph();
+        let drape = self.drape.filter(|s| graph.wire_type(*s).is_some());
+        let size = self.map.wanted(self.map_pixels);
+        let tint = self.drawing.painted(graph).filter(|s| *s != target);
+        Some(Scenery { target, against: self.against(), drape, tint, size, look: self.map.look })
+    }
+
     fn wish(&self) -> Ordered {
+        let lit = self.view == Page::Relief && self.map.look.mode == Mode::Relief && !self.map.look.contours;
+        let building = matches!(self.dialog, Dialog::Build);
         Ordered {
             state: self.document.state(),
-            target: self.target(),
-            size: self.map.wanted(self.map_pixels),
-            look: self.map.look,
+            scene: self.scene(),
             detail: self.map.closer().filter(|_| self.view == Page::Map),
-            lit: self.view == Page::Relief && self.map.look.mode == Mode::Relief && !self.map.look.contours,
+            light: lit.then_some(self.relief.light),
+            build: building.then(|| self.build.measured(self.document.state())),
             accepted: self.accepted,
         }
     }
@@ -231,12 +283,11 @@ impl Editor {
         evaluator.order(Order {
             graph: self.document.shared(),
             state: wish.state,
-            target: wish.target,
-            size: wish.size,
-            look: wish.look,
-            lit: wish.lit,
+            scene: wish.scene,
+            light: wish.light,
             detail: wish.detail,
             in_sight: self.canvas.in_sight.clone(),
+            build: wish.build.clone(),
             whatever_it_takes: self.accepted == Some(wish.state),
         });
         self.ordered = Some(wish);
@@ -290,7 +341,9 @@ impl Editor {
             let guard = self.evaluator.as_ref().map(|e| e.board());
             let board = guard.as_deref().unwrap_or(&empty);
             let pinned = self.pinned;
-            let mut desk = Desk { document: &mut self.document, board, notices: &mut self.notices, pinned };
+            let times = self.settings.times;
+            let mut desk =
+                Desk { document: &mut self.document, board, notices: &mut self.notices, pinned, times };
             self.canvas.show(ui, &mut desk)
         });
         let wishes = wishes.inner;
@@ -303,7 +356,7 @@ impl Editor {
         }
     }
 
-    /// The flat view, above the canvas.
+    /// The view, above the canvas.
     fn views(&mut self, ui: &mut Ui) {
         let height = ui.available_height();
         let panel = egui::Panel::top("views").resizable(true).default_size(height * 0.55);
@@ -320,10 +373,13 @@ impl Editor {
                 });
             }
             self.map_pixels = ui.available_size() * ui.pixels_per_point();
-            let terrain = self.document.graph().terrain();
+            let chosen = &self.canvas.chosen.nodes;
+            let node = chosen.first().copied().filter(|_| chosen.len() == 1);
+            let mut pad = Pad { document: &mut self.document, notices: &mut self.notices, node };
+            let (wipe, drawing) = (&mut self.wipe, &mut self.drawing);
             match self.view {
-                Page::Map => self.map.show(ui, board, terrain),
-                Page::Relief => self.relief.show(ui, board, terrain.sea_level),
+                Page::Map => self.map.show(ui, board, wipe, drawing, &mut pad),
+                Page::Relief => self.relief.show(ui, board, wipe, drawing, &mut pad),
             }
         });
     }
@@ -361,7 +417,7 @@ impl Editor {
     }
 
     fn set_title(&mut self, ctx: &Context) {
-        let mark = if self.document.is_unsaved() { "● " } else { "" };
+        let mark = if self.document.is_unsaved() { "* " } else { "" };
         let title = format!("{mark}{} — Orograph", self.document.name());
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::evaluator::Order;
-use super::shade::Look;
+use super::shade::{Light, Look};
 use crate::engine::Key;
 use crate::graph::{NodeId, Source};
 use crate::render::Picture;
@@ -36,9 +36,42 @@ pub(crate) struct Seen {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Made {
     pub(crate) state: u64,
+    pub(crate) scene: Scenery,
+}
+
+/// What a view is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scenery {
     pub(crate) target: Source,
+    /// What it is compared with.
+    pub(crate) against: Option<Source>,
+    /// What colours it.
+    pub(crate) drape: Option<Source>,
+    /// A mask that is being painted: shown as a tint over all.
+    pub(crate) tint: Option<Source>,
+    /// Samples along the longer side.
     pub(crate) size: u32,
     pub(crate) look: Look,
+}
+
+/// What a build would take.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Estimate {
+    pub(crate) of: Measured,
+    /// Seconds on all cores.
+    pub(crate) seconds: f64,
+    /// Bytes at the peak.
+    pub(crate) bytes: u64,
+    /// Why it would be refused.
+    pub(crate) over: Option<String>,
+}
+
+/// A build that is to be estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Measured {
+    pub(crate) state: u64,
+    pub(crate) outputs: Vec<String>,
+    pub(crate) size: u32,
 }
 
 /// What the view shows.
@@ -56,10 +89,22 @@ pub(crate) struct Shown {
 /// An evaluation that was not started.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Held {
-    /// Why it cannot be, where it cannot.
-    pub(crate) over: Option<String>,
+    /// Where it is over the budget of memory: why, and the bytes that it needs.
+    pub(crate) over: Option<(String, u64)>,
     /// Estimated seconds.
     pub(crate) seconds: f64,
+}
+
+/// Pictures under sun and sky, with cast shadows.
+#[derive(Clone, Debug)]
+pub(crate) struct Lit {
+    /// The showing that they are of.
+    pub(crate) showing: u64,
+    /// Another for each picture.
+    pub(crate) number: u64,
+    pub(crate) light: Light,
+    pub(crate) picture: Arc<Picture>,
+    pub(crate) against: Option<Arc<Picture>>,
 }
 
 /// What was found so far.
@@ -69,6 +114,8 @@ pub(crate) struct Board {
     pub(crate) news: u64,
     pub(crate) busy: bool,
     pub(crate) shown: Option<Shown>,
+    /// What it is compared with.
+    pub(crate) against: Option<Shown>,
     /// A part of it, finer.
     pub(crate) detail: Option<Shown>,
     /// What the exact whole view was made for.
@@ -77,8 +124,9 @@ pub(crate) struct Board {
     pub(crate) showings: u64,
     /// Counts up with each finer part.
     pub(crate) details: u64,
-    /// The picture of a showing under sun and sky, with cast shadows.
-    pub(crate) lit: Option<(u64, Arc<Picture>)>,
+    /// The picture of a showing under a light, and of what it is compared with.
+    pub(crate) lit: Option<Lit>,
+    pub(crate) estimate: Option<Estimate>,
     pub(crate) failure: Option<(u64, String)>,
     pub(crate) held: Option<Held>,
     pub(crate) nodes: BTreeMap<NodeId, NodeState>,
@@ -96,8 +144,8 @@ impl Board {
             matches!(state, NodeState::Done(_)) && order.graph.get(*id).is_some()
         });
         self.thumbnails.retain(|id, _| order.graph.get(*id).is_some());
-        if order.target.is_none() {
-            (self.shown, self.detail, self.made) = (None, None, None);
+        if order.scene.is_none() {
+            (self.shown, self.against, self.detail, self.made) = (None, None, None, None);
             self.showings += 1;
         }
     }
@@ -110,17 +158,17 @@ impl Board {
         }
     }
 
-    pub(crate) fn hold(&mut self, over: Option<String>, seconds: f64) {
+    pub(crate) fn hold(&mut self, over: Option<(String, u64)>, seconds: f64) {
         self.news += 1;
         self.held = Some(Held { over, seconds });
     }
 
     /// Shows a whole view; `made` says what for, when it is exact.
-    pub(crate) fn show(&mut self, shown: Shown, made: Option<Made>) {
+    pub(crate) fn show(&mut self, shown: Shown, against: Option<Shown>, made: Option<Made>) {
         self.news += 1;
         self.showings += 1;
         self.failure = None;
-        self.shown = Some(shown);
+        (self.shown, self.against) = (Some(shown), against);
         self.made = made;
         self.detail = None;
     }
@@ -132,10 +180,22 @@ impl Board {
         self.detail = Some(detail);
     }
 
-    /// Takes the lit picture of what is shown.
-    pub(crate) fn light(&mut self, picture: Picture) {
+    /// Takes the lit pictures of what is shown.
+    pub(crate) fn light(&mut self, light: Light, picture: Picture, against: Option<Picture>) {
         self.news += 1;
-        self.lit = Some((self.showings, Arc::new(picture)));
+        let against = against.map(Arc::new);
+        let (showing, number, picture) = (self.showings, self.news, Arc::new(picture));
+        self.lit = Some(Lit { showing, number, light, picture, against });
+    }
+
+    /// The lit pictures of what is shown now.
+    pub(crate) fn lit_now(&self) -> Option<&Lit> {
+        self.lit.as_ref().filter(|lit| lit.showing == self.showings)
+    }
+
+    pub(crate) fn measure(&mut self, estimate: Estimate) {
+        self.news += 1;
+        self.estimate = Some(estimate);
     }
 
     pub(crate) fn view_fails(&mut self, state: u64, why: String) {
@@ -153,10 +213,10 @@ impl Board {
         self.thumbnails.insert(id, seen);
     }
 
-    /// Whether what is shown is what would be made, lit where that is wanted.
-    pub(crate) fn stands(&self, made: &Made, lit: bool) -> bool {
-        let is_lit = self.lit.as_ref().is_some_and(|(showing, _)| *showing == self.showings);
-        self.failure.is_none() && self.made.as_ref() == Some(made) && (is_lit || !lit)
+    /// Whether what is shown is what would be made, under the light where one is wanted.
+    pub(crate) fn stands(&self, made: &Made, light: Option<Light>) -> bool {
+        let is_lit = light.is_none_or(|light| self.lit_now().is_some_and(|lit| lit.light == light));
+        self.failure.is_none() && self.made.as_ref() == Some(made) && is_lit
     }
 
     /// Whether a node has no picture of its present result.

@@ -1,23 +1,28 @@
 //! The build: `orograph build` as a process of its own, so that the same happens as on a farm, the window waits for
 //! nothing, and stopping is certain.
 
-use std::io::{BufRead, BufReader};
+mod progress;
+
 use std::path::PathBuf;
-use std::process::{Child, Command as Process, Stdio};
-use std::sync::{Arc, Mutex, PoisonError};
 
 use eframe::egui::{self, Context, RichText, Ui};
 
 use super::app::{Editor, FileFor};
+use super::board::Measured;
 use super::dialogs::{Dialog, modal};
+use super::inspector::named;
 use super::theme;
+use crate::files::Format;
 use crate::graph::Graph;
+use progress::Running;
 
 /// What the build shall do, and how far it is.
 pub(super) struct BuildDialog {
     pub(super) folder: String,
     size: u32,
     tiles: u32,
+    /// The format of all outputs; none for each its own.
+    format: Option<Format>,
     overwrite: bool,
     chosen: Vec<String>,
     running: Option<Running>,
@@ -31,35 +36,12 @@ impl Default for BuildDialog {
             folder: String::new(),
             size: 2049,
             tiles: 1,
+            format: None,
             overwrite: false,
             chosen: Vec::new(),
             running: None,
             program: std::env::current_exe().ok(),
         }
-    }
-}
-
-/// A build that was started.
-struct Running {
-    child: Child,
-    news: Arc<Mutex<News>>,
-    ended: Option<bool>,
-}
-
-/// What the process has said.
-#[derive(Default)]
-struct News {
-    node: String,
-    share: f32,
-    done: usize,
-    lines: Vec<String>,
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        // It may have ended.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
     }
 }
 
@@ -83,13 +65,15 @@ impl Editor {
         let mut closes = false;
         let closed = modal(ctx, "build", 480.0, |ui| {
             ui.heading("Build");
-            if self.build.running.is_some() {
-                self.build_progress(ui);
+            if let Some(running) = &mut self.build.running {
+                if running.show(ui) {
+                    self.build.running = None;
+                }
             } else {
                 self.build_settings(ui, &mut closes);
             }
         });
-        let busy = self.build.running.as_ref().is_some_and(|r| r.ended.is_none());
+        let busy = self.build.running.as_ref().is_some_and(Running::goes_on);
         if busy {
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
         }
@@ -114,6 +98,7 @@ impl Editor {
             }
         });
         ui.checkbox(&mut self.build.overwrite, "Overwrite files of others in that folder");
+        self.build_estimate(ui);
         let path = self.document.path().map(std::path::Path::to_owned);
         let fault = match &path {
             None => Some("Save the graph first: a build reads the file."),
@@ -132,9 +117,12 @@ impl Editor {
             let words = path.as_ref().map(|p| self.build.words(p, self.document.graph()));
             if ui.add_enabled(fault.is_none(), egui::Button::new("Build")).clicked()
                 && let Some(words) = &words
-                && let Err(e) = self.build.start(words, ui.ctx())
             {
-                self.notices.fail(format!("The build cannot be started: {e}"));
+                let program = self.build.program.as_deref();
+                match Running::start(program, words, ui.ctx()) {
+                    Ok(running) => self.build.running = Some(running),
+                    Err(e) => self.notices.fail(format!("The build cannot be started: {e}")),
+                }
             }
             let unsaved = path.is_some() && self.document.is_unsaved();
             if unsaved
@@ -155,34 +143,19 @@ impl Editor {
         });
     }
 
-    fn build_progress(&mut self, ui: &mut Ui) {
-        let Some(running) = &mut self.build.running else { return };
-        if running.ended.is_none()
-            && let Ok(Some(status)) = running.child.try_wait()
-        {
-            running.ended = Some(status.success());
-        }
-        let news = running.news.lock().unwrap_or_else(PoisonError::into_inner);
-        match running.ended {
-            None => {
-                ui.horizontal(|ui| {
-                    ui.spinner();
-                    ui.label(format!("{} · {} tasks done", news.node, news.done));
-                });
-                ui.add(egui::ProgressBar::new(news.share));
-            }
-            Some(true) => _ = ui.label(RichText::new("Done.").strong()),
-            Some(false) => _ = ui.colored_label(theme::ERROR, "The build did not end well."),
-        }
-        egui::ScrollArea::vertical().max_height(180.0).stick_to_bottom(true).show(ui, |ui| {
-            for line in &news.lines {
-                ui.add(egui::Label::new(RichText::new(line).small()).wrap());
-            }
-        });
-        drop(news);
-        let text = if running.ended.is_none() { "Stop" } else { "Back" };
-        if ui.button(text).clicked() {
-            self.build.running = None;
+    /// What the build would take, as `orograph plan` says it.
+    fn build_estimate(&self, ui: &mut Ui) {
+        let wanted = self.build.measured(self.document.state());
+        let estimate = self.evaluator.as_ref().and_then(|e| e.board().estimate.clone());
+        let Some(estimate) = estimate.filter(|e| e.of == wanted) else {
+            ui.weak("Estimating…");
+            return;
+        };
+        let mebibytes = estimate.bytes as f64 / f64::from(1 << 20);
+        let time = super::canvas::time(estimate.seconds);
+        ui.label(format!("Takes about {time} and {mebibytes:.0} MB of memory, before tiles."));
+        if let Some(over) = estimate.over {
+            ui.add(egui::Label::new(RichText::new(over).color(theme::WARNING)).wrap());
         }
     }
 }
@@ -212,6 +185,17 @@ impl BuildDialog {
             ui.label("Tiles per side");
             ui.add(egui::DragValue::new(&mut self.tiles).range(1..=256));
         });
+        ui.horizontal(|ui| {
+            let text = |f: Option<Format>| f.map_or("as the outputs say", Format::name);
+            ui.label("Format");
+            let combo = egui::ComboBox::from_id_salt("build format").selected_text(text(self.format));
+            let combo = combo.show_ui(ui, |ui| {
+                for format in std::iter::once(None).chain(Format::ALL.map(Some)) {
+                    ui.selectable_value(&mut self.format, format, text(format));
+                }
+            });
+            named(&combo.response, egui::WidgetType::ComboBox, "Format");
+        });
         ui.label("Outputs");
         for (name, output) in graph.outputs() {
             let mut on = self.chosen.iter().any(|n| n == name);
@@ -225,6 +209,11 @@ impl BuildDialog {
         }
     }
 
+    /// What is to be estimated.
+    pub(super) fn measured(&self, state: u64) -> Measured {
+        Measured { state, outputs: self.chosen.clone(), size: self.size }
+    }
+
     /// The command line, as words.
     fn words(&self, graph: &std::path::Path, document: &Graph) -> Vec<String> {
         let mut words = vec!["build".to_owned(), graph.to_string_lossy().into_owned()];
@@ -234,6 +223,9 @@ impl BuildDialog {
         if self.tiles > 1 {
             say("--tiles", format!("{0}x{0}", self.tiles));
         }
+        if let Some(format) = self.format {
+            say("--format", format.name().to_owned());
+        }
         if self.chosen.len() < document.outputs().len() {
             self.chosen.iter().for_each(|name| say("--output", name.clone()));
         }
@@ -241,45 +233,6 @@ impl BuildDialog {
             words.push("--overwrite".to_owned());
         }
         words
-    }
-
-    fn start(&mut self, words: &[String], ctx: &Context) -> std::io::Result<()> {
-        let missing = || std::io::Error::other("this program cannot find its own file");
-        let program = self.program.clone().ok_or_else(missing)?;
-        let mut process = Process::new(program);
-        process.args(words).args(["--progress", "json"]);
-        process.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut child = process.spawn()?;
-        let news: Arc<Mutex<News>> = Arc::default();
-        let streams: [Option<Box<dyn std::io::Read + Send>>; 2] =
-            [child.stdout.take().map(|s| Box::new(s) as _), child.stderr.take().map(|s| Box::new(s) as _)];
-        for stream in streams.into_iter().flatten() {
-            let (news, ctx) = (news.clone(), ctx.clone());
-            std::thread::spawn(move || {
-                for line in BufReader::new(stream).lines().map_while(Result::ok) {
-                    hear(&mut news.lock().unwrap_or_else(PoisonError::into_inner), line);
-                    ctx.request_repaint();
-                }
-            });
-        }
-        self.running = Some(Running { child, news, ended: None });
-        Ok(())
-    }
-}
-
-/// Takes in a line of the process: an event of its progress, or something it says.
-fn hear(news: &mut News, line: String) {
-    let event = serde_json::from_str::<serde_json::Value>(&line).ok().filter(|e| e["event"].is_string());
-    let Some(event) = event else {
-        news.lines.push(line);
-        return;
-    };
-    let node = event["node"].as_str().unwrap_or_default().to_owned();
-    match event["event"].as_str() {
-        Some("started") => (news.node, news.share) = (node, 0.0),
-        Some("progress") => (news.node, news.share) = (node, event["share"].as_f64().unwrap_or(0.0) as f32),
-        Some("finished") => news.done += 1,
-        _ => (),
     }
 }
 

@@ -97,10 +97,18 @@ commands! {
     AlignLeft = "Align left";
     /// Brings the upper sides of the selected nodes to one line
     AlignTop = "Align top";
+    /// Draws feature curves onto the terrain, on the selected node or on new ones
+    Draw = "Draw curves" NONE K;
+    /// Paints a mask onto the terrain with a brush, on the selected node or on a new one
+    Paint = "Paint mask" NONE M;
+    /// Compares what is shown with the selected node, or with what goes into it
+    Compare = "Compare" NONE C;
     /// Shows what is selected, or everything
     FrameView = "Zoom to selection or all" NONE F;
     /// Moves nodes in steps of the grid
     Snap = "Snap to grid";
+    /// Shows on each node how long it took
+    Times = "Times on nodes";
     /// Finds a command by name
     Palette = "Command palette" COMMAND_SHIFT P;
     /// Shows all keys

@@ -7,6 +7,7 @@ use super::app::{Editor, FileFor};
 use super::command::Command;
 use super::document::Document;
 use super::fuzzy;
+use super::inspector::named_text;
 use super::recovery::Orphan;
 use crate::graph::{Graph, NodeId};
 
@@ -308,14 +309,7 @@ impl Finder {
             }
             let edit = egui::TextEdit::singleline(&mut self.query).hint_text(format!("Search {title}"));
             let edit = ui.add(edit.desired_width(f32::INFINITY));
-            edit.widget_info(|| {
-                egui::WidgetInfo::text_edit(
-                    true,
-                    self.query.clone(),
-                    self.query.clone(),
-                    format!("Search {title}"),
-                )
-            });
+            named_text(&edit, &self.query, &format!("Search {title}"));
             if !std::mem::replace(&mut self.old, true) {
                 edit.request_focus();
             }

@@ -5,8 +5,8 @@ use serde_json::Value as Json;
 use crate::graph::Graph;
 use crate::value::{Grid, Terrain};
 
-/// How much coarser a draft is, along a side.
-const DRAFT: u32 = 4;
+/// How much coarser drafts are, along a side; the first that is quick enough is taken.
+pub(super) const COARSER: [u32; 3] = [2, 4, 8];
 
 /// The grid of the whole terrain with at most so many samples along the longer side.
 pub(super) fn preview(terrain: &Terrain, size: u32) -> Option<Grid> {
@@ -14,9 +14,9 @@ pub(super) fn preview(terrain: &Terrain, size: u32) -> Option<Grid> {
 }
 
 /// The graph with a coarser base grid, and its coarser preview; none where the terrain has no coarser one.
-pub(super) fn draft_of(graph: &Graph, size: u32) -> Option<(Graph, Grid)> {
+pub(super) fn draft_of(graph: &Graph, size: u32, coarser: u32) -> Option<(Graph, Grid)> {
     let intervals = graph.terrain().base - 1;
-    let base = intervals.is_multiple_of(DRAFT).then(|| intervals / DRAFT + 1)?;
+    let base = intervals.is_multiple_of(coarser).then(|| intervals / coarser + 1)?;
     let mut draft = graph.clone();
     let exposed = graph.exposed().find(|(_, e)| e.bind.iter().any(|b| b == "terrain.base"));
     let set = match exposed {
@@ -25,6 +25,6 @@ pub(super) fn draft_of(graph: &Graph, size: u32) -> Option<(Graph, Grid)> {
     };
     set.ok()?;
     let fits = draft.terrain().base == base && draft.terrain().fault().is_none();
-    let grid = preview(draft.terrain(), (size - 1) / DRAFT + 1)?;
+    let grid = preview(draft.terrain(), (size - 1) / coarser + 1)?;
     fits.then_some((draft, grid))
 }

@@ -3,12 +3,16 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use serde_json::Value as Json;
+
 use crate::graph::Graph;
 
 /// Bytes that all states together may take, by estimate.
 const BUDGET: usize = 256 << 20;
-/// Estimated bytes of a node in a state.
+/// Estimated bytes of a state, of a node in it, and of a number or word of a parameter.
+const STATE: usize = 20_000;
 const NODE: usize = 1500;
+const WORD: usize = 40;
 /// Fewest states that are kept whatever they take.
 const KEPT: usize = 20;
 /// Most states that are kept.
@@ -22,6 +26,26 @@ pub(crate) struct State {
     /// What led to it.
     pub(crate) label: String,
     pub(crate) graph: Arc<Graph>,
+    /// Estimated bytes of the graph.
+    bytes: usize,
+}
+
+impl State {
+    fn new(id: u64, label: &str, graph: Graph) -> Self {
+        let node = |id| NODE + graph.get(id).map_or(0, |n| n.set.values().map(words).sum::<usize>() * WORD);
+        let bytes = STATE + graph.nodes().map(node).sum::<usize>();
+        Self { id, label: label.to_owned(), graph: Arc::new(graph), bytes }
+    }
+}
+
+/// Numbers, texts and lists in a value: drawn curves and strokes have thousands.
+fn words(value: &Json) -> usize {
+    match value {
+        Json::Array(items) => 1 + items.iter().map(words).sum::<usize>(),
+        Json::Object(map) => 1 + map.values().map(|v| 2 + words(v)).sum::<usize>(),
+        Json::String(text) => 1 + text.len() / WORD,
+        _ => 1,
+    }
 }
 
 /// The states of a document and which of them is shown.
@@ -36,7 +60,7 @@ pub(crate) struct History {
 
 impl History {
     pub(crate) fn new(graph: Graph, label: &str) -> Self {
-        let first = State { id: 0, label: label.to_owned(), graph: Arc::new(graph) };
+        let first = State::new(0, label, graph);
         Self { states: VecDeque::from([first]), at: 0, next: 1, gesture: None }
     }
 
@@ -51,7 +75,7 @@ impl History {
         if goes_on && self.at > 0 {
             self.states.pop_back();
         }
-        let state = State { id: self.next, label: label.to_owned(), graph: Arc::new(graph) };
+        let state = State::new(self.next, label, graph);
         self.next += 1;
         self.states.push_back(state);
         self.at = self.states.len() - 1;
@@ -102,11 +126,33 @@ impl History {
     }
 
     fn shrink(&mut self) {
-        let one = 20_000 + NODE * self.current().graph.nodes().len();
-        let room = (BUDGET / one).clamp(KEPT, MOST);
-        while self.states.len() > room && self.at > 0 {
-            self.states.pop_front();
+        let mut bytes: usize = self.states.iter().map(|s| s.bytes).sum();
+        while (bytes > BUDGET || self.states.len() > MOST) && self.states.len() > KEPT && self.at > 0 {
+            bytes -= self.states.pop_front().map_or(0, |s| s.bytes);
             self.at -= 1;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_states_are_fewer_and_some_always_stay() {
+        let mut graph = Graph::new();
+        let mask = graph.add("mask", "paint_mask").expect("adds");
+        let path: Vec<f64> = (0..8000).map(f64::from).collect();
+        let strokes: Vec<_> = (0..50).map(|_| serde_json::json!({ "path": path })).collect();
+        graph.set(mask, "strokes", strokes.into()).expect("sets");
+        let mut history = History::new(graph.clone(), "first");
+        for k in 0..100 {
+            history.push(&format!("{k}"), None, graph.clone());
+        }
+        let (states, at) = history.list();
+        assert_eq!((states.len(), at), (KEPT, KEPT - 1));
+        let mut small = History::new(Graph::new(), "first");
+        (0..100).for_each(|k| small.push(&format!("{k}"), None, Graph::new()));
+        assert_eq!(small.list().0.len(), 101);
     }
 }

@@ -4,7 +4,8 @@
 //! The document (`document`) is the graph with a history of whole states, so that everything can be undone to the same
 //! bytes. The canvas (`canvas`) draws the document itself and keeps no copy. The evaluator (`evaluator`) runs the
 //! engine on a thread of its own and puts what it finds on a board (`board`) that the window reads; a new order gives up
-//! what is stale. What can be done by name is a `Command`: menus, keys, palette and cheat sheet come
+//! what is stale. Hands draw on the terrain of either view (`drawing`), which changes parameters like any panel. What can
+//! be done by name is a `Command`: menus, keys, palette and cheat sheet come
 //! from one list. Panels (`inspector`) come from the schema of the kinds.
 
 mod actions;
@@ -17,6 +18,7 @@ mod command;
 mod dialogs;
 mod document;
 mod draft;
+mod drawing;
 mod evaluator;
 mod fuzzy;
 mod history;
@@ -29,6 +31,7 @@ mod session;
 mod settings;
 mod shade;
 mod theme;
+mod view_bar;
 mod views;
 mod watch;
 mod watcher;

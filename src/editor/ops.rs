@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use serde_json::Value as Json;
+
 use crate::graph::{Grafted, Graph, LoadError, NodeId, Note, Place, Problem, Source};
 use crate::node::Kind;
 use crate::nodes::Registry;
@@ -56,6 +58,20 @@ pub(crate) fn add(
         }
     }
     Ok(id)
+}
+
+/// Adds nodes one after another, each joined to the one before.
+pub(crate) fn add_chain(graph: &mut Graph, at: [f64; 2], kinds: &[&str]) -> Result<Vec<NodeId>, Problem> {
+    let mut all = Vec::new();
+    let mut end = None;
+    for (k, id) in kinds.iter().enumerate() {
+        let unknown = || Problem::error(Place::Graph, format!("there is no kind `{id}`"));
+        let kind = graph.registry().find(id).ok_or_else(unknown)?;
+        let new = add(graph, kind, [at[0] + 280.0 * k as f64, at[1]], end)?;
+        end = kind.outputs.first().map(|p| End::From(Source { node: new, port: p.name }));
+        all.push(new);
+    }
+    Ok(all)
 }
 
 /// The ports by which a node would go between a source and an input; none where it does not fit.
@@ -126,6 +142,21 @@ pub(crate) fn shift(
         }
     }
     Ok(())
+}
+
+/// The exposed parameter that sets a parameter of a node.
+pub(crate) fn exposed_as<'g>(graph: &'g Graph, id: NodeId, param: &str) -> Option<&'g str> {
+    let bind = format!("{}.{param}", graph.get(id)?.name);
+    graph.exposed().find(|(_, e)| e.bind.contains(&bind)).map(|(name, _)| name)
+}
+
+/// Sets a parameter of nodes, through the exposed parameter where it is bound to one.
+pub(crate) fn set(graph: &mut Graph, ids: &[NodeId], param: &str, value: Json) -> Result<(), Problem> {
+    let exposed = ids.first().and_then(|id| exposed_as(graph, *id, param)).map(str::to_owned);
+    match exposed {
+        Some(name) => graph.set_exposed(&name, value),
+        None => ids.iter().try_for_each(|id| graph.set(*id, param, value.clone())),
+    }
 }
 
 /// Leaves nodes out, or takes them in again where all are left out already.

@@ -4,11 +4,10 @@ use std::cell::RefCell;
 
 use eframe::egui::{self, Context, Id, RichText, Ui};
 
-use super::app::{Editor, FileFor, Page};
+use super::app::{Editor, FileFor};
 use super::canvas::time;
 use super::command::Command;
 use super::inspector::{Panel, graph_panel, name_field, nodes_panel, note_panel, outputs_panel};
-use super::shade::Mode;
 use super::theme;
 
 /// The pages of the panel at the right.
@@ -40,7 +39,7 @@ impl Editor {
         let mut chosen = None;
         egui::Panel::top("menu").show(ui, |ui| {
             egui::MenuBar::new().ui(ui, |ui| {
-                let menus: [(&str, &[&[Command]]); 4] = [
+                let menus: [(&str, &[&[Command]]); 5] = [
                     ("File", &[&[New, Open], &[Save, SaveAs], &[Build], &[Quit]]),
                     (
                         "Edit",
@@ -59,7 +58,8 @@ impl Editor {
                             &[ArrangeTree, ArrangeAll, AlignLeft, AlignTop],
                         ],
                     ),
-                    ("View", &[&[FrameView], &[Snap, Theme], &[Palette, Help]]),
+                    ("Terrain", &[&[Draw, Paint], &[Compare]]),
+                    ("View", &[&[FrameView], &[Snap, Times, Theme], &[Palette, Help]]),
                 ];
                 for (title, groups) in menus {
                     ui.menu_button(title, |ui| {
@@ -174,7 +174,7 @@ impl Editor {
         };
         if let Some(held) = held {
             match held.over {
-                Some(why) => _ = ui.colored_label(theme::ERROR, "over the budget").on_hover_text(why),
+                Some((why, need)) => self.over_budget(ui, &why, need),
                 None => {
                     ui.colored_label(theme::WARNING, format!("would take about {}", time(held.seconds)));
                     if ui.button("Evaluate").clicked() {
@@ -187,6 +187,20 @@ impl Editor {
             if ui.small_button("Stop").on_hover_text("Gives up what is being evaluated").clicked() {
                 evaluator.stop();
             }
+        }
+    }
+
+    /// Asks before more memory is used than the budget allows.
+    fn over_budget(&mut self, ui: &mut Ui, why: &str, need: u64) {
+        // Half as much again leaves room for what is kept.
+        let room = need + need / 2;
+        let gibibytes = room as f64 / f64::from(1 << 30);
+        ui.colored_label(theme::ERROR, "over the budget of memory").on_hover_text(why);
+        let ask = ui.button(format!("Allow {gibibytes:.1} GB"));
+        if ask.on_hover_text("Evaluates with so much memory, until the editor is closed").clicked() {
+            self.options.memory = room;
+            let ctx = ui.ctx().clone();
+            self.start_evaluator(&ctx);
         }
     }
 
@@ -212,7 +226,12 @@ impl Editor {
         }
         let wish = RefCell::new(None);
         let pick = |name: &str| *wish.borrow_mut() = Some(name.to_owned());
-        let mut panel = Panel { document: &mut self.document, notices: &mut self.notices, pick_file: &pick };
+        let mut panel = Panel {
+            document: &mut self.document,
+            notices: &mut self.notices,
+            drawing: &mut self.drawing,
+            pick_file: &pick,
+        };
         let chosen = &self.canvas.chosen;
         match self.tab {
             Tab::Node if chosen.nodes.is_empty() && chosen.notes.len() == 1 => {
@@ -251,65 +270,6 @@ impl Editor {
         }
         if let Some(to) = go {
             self.document.go(to);
-        }
-    }
-
-    /// What the view shows, and how.
-    pub(super) fn view_bar(&mut self, ui: &mut Ui) {
-        ui.horizontal(|ui| {
-            for (page, name, help) in [
-                (Page::Map, "Map", "From above, with a read-out of the values"),
-                (Page::Relief, "Relief", "In space: drag turns, Shift-drag pans, the wheel comes nearer, WASD flies while dragging"),
-            ] {
-                ui.selectable_value(&mut self.view, page, name).on_hover_text(help);
-            }
-            ui.separator();
-            self.shown(ui);
-            ui.separator();
-            for mode in Mode::ALL {
-                ui.selectable_value(&mut self.map.look.mode, mode, mode.name()).on_hover_text(mode.help());
-            }
-            ui.separator();
-            ui.toggle_value(&mut self.map.look.contours, "Contours").on_hover_text("Lines of equal value");
-            ui.toggle_value(&mut self.map.charts, "Charts")
-                .on_hover_text("Histogram, and the profile along a line drawn with Shift");
-            if self.view == Page::Relief {
-                let times = egui::DragValue::new(&mut self.relief.exaggeration).range(0.1..=20.0).speed(0.02);
-                ui.add(times.prefix("× ")).on_hover_text("Factor on heights");
-                ui.toggle_value(&mut self.relief.water, "Water").on_hover_text("Shows the sea level");
-            }
-            if ui.button("Fit").on_hover_text("Shows the whole terrain").clicked() {
-                self.map.show_all();
-                self.relief.reset();
-            }
-        });
-    }
-
-    /// The node that is shown, whether it is pinned, and which of its outputs.
-    fn shown(&mut self, ui: &mut Ui) {
-        let Some(source) = self.target() else {
-            ui.weak("nothing selected");
-            return;
-        };
-        let node = self.graph().node(source.node);
-        let (name, outputs) = (node.name.clone(), node.kind().map_or(&[][..], |k| k.outputs));
-        let mut pinned = self.pinned == Some(source.node);
-        let pin = ui.toggle_value(&mut pinned, "📌").on_hover_text("Keeps this node in the view");
-        pin.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Checkbox, true, "pin"));
-        if pin.changed() {
-            self.pinned = pinned.then_some(source.node);
-        }
-        ui.strong(name);
-        if outputs.len() > 1 {
-            let combo = egui::ComboBox::from_id_salt("shown output").selected_text(source.port);
-            combo.show_ui(ui, |ui| {
-                for port in outputs {
-                    let label = ui.selectable_label(port.name == source.port, port.name);
-                    if label.on_hover_text(port.doc).clicked() {
-                        self.output = Some(port.name);
-                    }
-                }
-            });
         }
     }
 }

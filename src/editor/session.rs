@@ -11,7 +11,7 @@ use super::document::Document;
 use super::evaluator::Evaluator;
 use super::recovery::{Claimed, claim};
 use super::watch::FileWatch;
-use crate::engine::{Files, kept_folders};
+use crate::engine::{Files, Options, kept_folders};
 
 /// Estimated seconds of an evaluation that opening a graph starts without asking.
 const PATIENCE: f64 = 60.0;
@@ -40,7 +40,8 @@ impl Editor {
         self.canvas.chosen = Default::default();
         self.canvas.show_all();
         self.map.show_all();
-        (self.pinned, self.output, self.accepted) = (None, None, None);
+        self.relief.reset();
+        (self.pinned, self.output, self.drape, self.accepted) = (None, None, None, None);
         self.reclaim(ctx);
         self.choose_result();
         self.start_evaluator(ctx);
@@ -80,7 +81,9 @@ impl Editor {
             }
         }
         let repaint = ctx.clone();
-        let started = Evaluator::start(&self.options, files, PATIENCE, move || repaint.request_repaint());
+        // What takes long is asked about, not refused.
+        let options = Options { seconds: f64::INFINITY, ..self.options.clone() };
+        let started = Evaluator::start(&options, files, PATIENCE, move || repaint.request_repaint());
         self.ordered = None;
         match started {
             Ok(evaluator) => self.evaluator = Some(evaluator),

@@ -15,6 +15,8 @@ const RECENT: usize = 12;
 pub(crate) struct Settings {
     pub(crate) dark: bool,
     pub(crate) snap: bool,
+    /// Whether nodes tell how long they took.
+    pub(crate) times: bool,
     pub(crate) look: Look,
     pub(crate) charts: bool,
     pub(crate) recent: Vec<PathBuf>,
@@ -27,6 +29,7 @@ impl Default for Settings {
         Self {
             dark: true,
             snap: true,
+            times: true,
             look: Look::default(),
             charts: false,
             recent: Vec::new(),

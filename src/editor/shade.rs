@@ -6,13 +6,15 @@ use rayon::prelude::*;
 use crate::context::Cancel;
 use crate::kit::ramp::{Blend, Palette, Ramp};
 use crate::node::Result;
-use crate::render::{Picture, thumbnail};
-use crate::value::{Field, Quantity, Terrain, Value};
+use crate::render::{Picture, Sun, thumbnail};
+use crate::value::{Colors, Field, Grid, Quantity, Terrain, Value};
 
 /// Pixels along the longer side of what has no grid.
 const SKETCH: usize = 1024;
 /// Colour of water, sRGB.
 const WATER: [f32; 3] = [0.25, 0.42, 0.56];
+/// Colour of a mask that is being painted, sRGB, 0 to 255.
+const TINT: [f32; 3] = [235.0, 70.0, 60.0];
 /// Colour of contour lines, sRGB.
 const INK: [f32; 3] = [0.16, 0.11, 0.07];
 
@@ -56,7 +58,53 @@ pub(crate) struct Look {
     pub(crate) contours: bool,
 }
 
+/// Where the light of the relief view comes from, in whole degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(crate) struct Light {
+    /// Compass direction.
+    pub(crate) azimuth: u16,
+    /// Height over the horizon.
+    pub(crate) altitude: u16,
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self { azimuth: 315, altitude: 35 }
+    }
+}
+
+impl Light {
+    pub(crate) fn sun(self) -> Sun {
+        Sun { azimuth: f64::from(self.azimuth), altitude: f64::from(self.altitude) }
+    }
+}
+
+/// The colours of a value that is laid over heights on a grid; none where it stands on another.
+pub(crate) fn colors(drape: &Value, grid: &Grid, cancel: &Cancel) -> Option<Colors> {
+    let of_picture = |picture: Picture| {
+        let data = picture.rgb.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect::<Vec<_>>();
+        (data.len() == grid.len()).then(|| Colors::new(*grid, Quantity::Color, data))
+    };
+    match drape {
+        Value::Colors(colors) => (colors.grid() == grid).then(|| colors.clone()),
+        Value::Field(f) if f.quantity() == Quantity::Mask && f.grid() == grid => {
+            // Dark ground would show no form, and white would be the ground's own light.
+            let ramp = Ramp::of(&Palette::Viridis, Blend::Smooth);
+            Some(Colors::new(*grid, Quantity::Color, f.data().iter().map(|v| ramp.color(*v)).collect()))
+        }
+        Value::Field(f) if f.grid() == grid => {
+            let (low, high) = f.range()?;
+            let scale = if high > low { 1.0 / (high - low) } else { 0.0 };
+            let ramp = Ramp::of(&Palette::Viridis, Blend::Smooth);
+            let color = |v: &f32| ramp.color((v - low) * scale);
+            Some(Colors::new(*grid, Quantity::Color, f.data().iter().map(color).collect()))
+        }
+        other => thumbnail(other, grid.cols.max(grid.rows), cancel).ok().and_then(of_picture),
+    }
+}
+
 /// A picture of a value, a pixel for each sample; a part of a whole takes its colours from the range of the whole.
+/// Heights take the colours of `drape`, where there is one, under the light of their own form.
 ///
 /// # Errors
 /// When the value has no samples, or the work was cancelled.
@@ -64,6 +112,7 @@ pub(crate) fn picture(
     value: &Value,
     look: &Look,
     range: Option<(f32, f32)>,
+    drape: Option<&Value>,
     terrain: &Terrain,
     cancel: &Cancel,
 ) -> Result<Picture> {
@@ -71,6 +120,7 @@ pub(crate) fn picture(
     let Value::Field(field) = value else { return thumbnail(value, side, cancel) };
     let relief = look.mode == Mode::Relief;
     let is_height = field.quantity() == Quantity::Elevation;
+    let drape = drape.filter(|_| is_height).and_then(|d| colors(d, field.grid(), cancel));
     if relief && !is_height && !look.contours && range.is_none() {
         return thumbnail(value, side, cancel);
     }
@@ -90,9 +140,12 @@ pub(crate) fn picture(
     let pixel = |i: usize, j: usize| {
         let z = field.row(j)[i];
         let [east, south] = fall(field, i, j);
-        let mut color = ramp.color((z - low) * scale);
+        let mut color = match &drape {
+            Some(drape) => drape.row(j)[i],
+            None => ramp.color((z - low) * scale),
+        };
         if lit {
-            let wet = z < sea;
+            let wet = z < sea && drape.is_none();
             let light = if wet { 1.0 } else { shade(east, south) };
             let ground = if wet { WATER.map(|c| c * depth_shade(sea - z, high - low)) } else { color };
             color = ground.map(|c| c * light);
@@ -110,6 +163,20 @@ pub(crate) fn picture(
         row.iter_mut().enumerate().for_each(|(i, out)| *out = pixel(i, j));
     });
     Ok(Picture { width: cols, height: rows, rgb })
+}
+
+/// A picture with a mask of its size shown as a tint over it.
+pub(crate) fn tinted(mut picture: Picture, mask: Option<&Value>) -> Picture {
+    let Some(Value::Field(mask)) = mask else { return picture };
+    if mask.data().len() == picture.rgb.len() {
+        picture.rgb.par_iter_mut().zip(mask.data()).with_min_len(1 << 14).for_each(|(color, v)| {
+            let share = 0.6 * v.clamp(0.0, 1.0);
+            for (c, tint) in color.iter_mut().zip(TINT) {
+                *c = (f32::from(*c) * (1.0 - share) + tint * share + 0.5) as u8;
+            }
+        });
+    }
+    picture
 }
 
 /// How much the field rises to the east and to the south, per metre.

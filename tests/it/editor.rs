@@ -1,7 +1,9 @@
 //! The editor: a hand that clicks, drags and types, and the document that comes of it.
 #![allow(clippy::unwrap_used, reason = "a test stops where something fails")]
 
+mod access;
 mod canvas;
+mod drawing;
 mod files;
 mod panels;
 mod pictures;
@@ -44,7 +46,21 @@ impl Window {
     }
 
     pub(crate) fn of(setup: Setup) -> Self {
-        Self::with(setup, None)
+        Self::with(setup, None, 1.0)
+    }
+
+    /// With little memory for the engine.
+    pub(crate) fn frugal(path: &Path, memory: u64) -> Self {
+        let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
+        let options = Options { memory, ..Options::default() };
+        Self::of(Setup { path: Some(path.to_owned()), home: None, asker, options, ..Setup::default() })
+    }
+
+    /// On a screen of another density.
+    pub(crate) fn dense(path: &Path, density: f32) -> Self {
+        let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
+        let setup = Setup { path: Some(path.to_owned()), home: None, asker, ..Setup::default() };
+        Self::with(setup, None, density)
     }
 
     /// With a device to draw with.
@@ -53,11 +69,12 @@ impl Window {
         let format = Some(device.target_format);
         let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
         let setup = Setup { path: Some(path.to_owned()), home: None, asker, format, ..Setup::default() };
-        Self::with(setup, Some(device))
+        Self::with(setup, Some(device), 1.0)
     }
 
-    fn with(mut setup: Setup, device: Option<RenderState>) -> Self {
-        setup.options = Options { threads: 1, memory: 2 << 30, ..Options::default() };
+    fn with(mut setup: Setup, device: Option<RenderState>, density: f32) -> Self {
+        let memory = setup.options.memory.min(2 << 30);
+        setup.options = Options { threads: 1, memory, ..Options::default() };
         let mut setup = Some(setup);
         let frame = move |ui: &mut eframe::egui::Ui, editor: &mut Option<Editor>| {
             if editor.is_none() {
@@ -66,6 +83,7 @@ impl Window {
             editor.as_mut().unwrap().frame(ui);
         };
         let builder = Harness::builder().with_size([1280.0, 800.0]).with_step_dt(1.0 / 30.0);
+        let builder = builder.with_pixels_per_point(density);
         let builder = match device {
             Some(device) => builder.renderer(WgpuTestRenderer::from_render_state(device)),
             None => builder,
@@ -104,9 +122,29 @@ impl Window {
         self.0.query_all_by_label_contains(label).next().is_some()
     }
 
+    /// Whether something of exactly this label is there.
+    pub(crate) fn has(&self, label: &str) -> bool {
+        self.0.query_by_label(label).is_some()
+    }
+
     pub(crate) fn click(&mut self, label: &str) {
         self.0.get_by_label(label).click();
         self.steps(3);
+    }
+
+    /// Runs a command by its name.
+    pub(crate) fn command(&mut self, name: &str) {
+        self.keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::P);
+        self.text(name);
+        self.key(Key::Enter);
+        self.steps(2);
+    }
+
+    /// Shows the map or the relief.
+    pub(crate) fn view(&mut self, name: &str) {
+        self.0.get_all_by_label(name).next().unwrap().click();
+        self.steps(3);
+        self.settle();
     }
 
     pub(crate) fn key(&mut self, key: Key) {
@@ -171,6 +209,25 @@ impl Window {
         for _ in 0..2 {
             self.button(at, true);
             self.button(at, false);
+        }
+        self.steps(2);
+    }
+
+    /// A click at a place.
+    pub(crate) fn press(&mut self, at: Pos2) {
+        self.hover(at);
+        self.button(at, true);
+        self.button(at, false);
+        self.steps(2);
+    }
+
+    /// A click of the right button.
+    pub(crate) fn secondary(&mut self, at: Pos2) {
+        self.hover(at);
+        for pressed in [true, false] {
+            let (button, modifiers) = (PointerButton::Secondary, Modifiers::NONE);
+            self.0.event(Event::PointerButton { pos: at, button, pressed, modifiers });
+            self.steps(1);
         }
         self.steps(2);
     }

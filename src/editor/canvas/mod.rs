@@ -85,6 +85,8 @@ pub(crate) struct Desk<'a> {
     pub(crate) board: &'a Board,
     pub(crate) notices: &'a mut Notices,
     pub(crate) pinned: Option<NodeId>,
+    /// Whether nodes tell how long they took.
+    pub(crate) times: bool,
 }
 
 impl Desk<'_> {

@@ -1,8 +1,6 @@
 //! Notes under the pointer: frames and comments, behind the nodes.
 
-use eframe::egui::{
-    self, Align2, FontId, Id, PointerButton, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, vec2,
-};
+use eframe::egui::{self, FontId, Id, PointerButton, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, vec2};
 
 use super::camera::View;
 use super::gesture::Gesture;
@@ -92,5 +90,6 @@ fn paint(ui: &Ui, view: &View, rect: Rect, note: &Note, chosen: bool) {
     text(title.left_center() + vec2(pad, -8.0 * zoom), 13.5, &note.title, f32::INFINITY, true);
     text(title.left_bottom() + vec2(pad, pad), 12.0, &note.text, width, false);
     let grip = view.pos(rect.max) - vec2(4.0, 4.0);
-    painter.text(grip, Align2::RIGHT_BOTTOM, "◢", FontId::proportional(9.0), color);
+    let corners = vec![grip, grip - vec2(8.0, 0.0), grip - vec2(0.0, 8.0)];
+    painter.add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));
 }

@@ -163,7 +163,7 @@ fn state(ui: &Ui, painter: &Painter, view: &View, layout: &Layout, id: NodeId, d
             ring(painter, view.pos(layout.picture.center()), 17.0 * zoom, *share);
         }
         Some(NodeState::Waiting) => ring(painter, view.pos(layout.picture.center()), 17.0 * zoom, 0.0),
-        Some(NodeState::Done(seconds)) if zoom >= TEXT => {
+        Some(NodeState::Done(seconds)) if zoom >= TEXT && desk.times => {
             let at = corner - vec2(7.0, 5.0) * zoom;
             let font = FontId::proportional(font_size(9.5, zoom));
             painter.text(at, Align2::RIGHT_BOTTOM, time(*seconds), font, ui.visuals().weak_text_color());

@@ -3,6 +3,7 @@
 use eframe::egui::{self, Key, Pos2, Rect, RichText, Ui, vec2};
 
 use crate::editor::fuzzy;
+use crate::editor::inspector::named_text;
 use crate::editor::ops::End;
 use crate::graph::Graph;
 use crate::node::Kind;
@@ -96,9 +97,7 @@ impl Search {
         };
         let edit = egui::TextEdit::singleline(&mut self.query).hint_text(hint).desired_width(f32::INFINITY);
         let edit = ui.add(edit);
-        edit.widget_info(|| {
-            egui::WidgetInfo::text_edit(true, self.query.clone(), self.query.clone(), "Search nodes")
-        });
+        named_text(&edit, &self.query, "Search nodes");
         if self.fresh {
             edit.request_focus();
         }

@@ -93,7 +93,7 @@ impl Canvas {
             return;
         }
         ground.clone().on_hover_ui_at_pointer(|ui| {
-            ui.label(format!("{from} → {name}.{}", course.input));
+            ui.label(format!("{from} to {name}.{}", course.input));
             ui.weak("Double-click adds a bend, Alt-click cuts the wire");
         });
     }

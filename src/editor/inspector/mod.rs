@@ -1,17 +1,20 @@
 //! The panel of parameters: made from the schema of the kinds, so that a new kind has its panel by itself.
 
 mod curve;
+mod curves;
 mod gradient;
 mod graph_panel;
 mod list;
 mod note;
 mod number;
 mod outputs;
+mod strokes;
 mod value;
 
 pub(crate) use graph_panel::graph_panel;
 pub(crate) use note::note_panel;
 pub(crate) use outputs::outputs_panel;
+pub(crate) use value::{named, named_text};
 
 use std::collections::BTreeSet;
 
@@ -20,7 +23,9 @@ use serde_json::Value as Json;
 
 use super::canvas::search::summary;
 use super::document::Document;
+use super::drawing::{Drawing, Pad};
 use super::notices::Notices;
+use super::ops;
 use super::theme;
 use crate::graph::{Exposed, Graph, NodeId};
 use crate::node::Kind;
@@ -31,6 +36,7 @@ use value::{Edited, Field};
 pub(crate) struct Panel<'a> {
     pub(crate) document: &'a mut Document,
     pub(crate) notices: &'a mut Notices,
+    pub(crate) drawing: &'a mut Drawing,
     /// Asks for a file for a parameter; the answer comes later.
     pub(crate) pick_file: &'a dyn Fn(&str),
 }
@@ -38,6 +44,12 @@ pub(crate) struct Panel<'a> {
 impl Panel<'_> {
     fn graph(&self) -> &Graph {
         self.document.graph()
+    }
+
+    /// The drawing of a node, and what it works with.
+    fn pad(&mut self, node: NodeId) -> (&mut Drawing, Pad<'_>) {
+        let pad = Pad { document: self.document, notices: self.notices, node: Some(node) };
+        (self.drawing, pad)
     }
 
     fn apply(
@@ -119,7 +131,7 @@ fn name(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId) {
     let mut text = ui.data_mut(|d| d.get_temp::<String>(field)).unwrap_or_else(|| own.clone());
     let edit = egui::TextEdit::singleline(&mut text).font(egui::TextStyle::Heading).id(field.with("edit"));
     let edit = ui.add(edit.desired_width(f32::INFINITY));
-    edit.widget_info(|| egui::WidgetInfo::text_edit(true, own.clone(), text.clone(), "Node name"));
+    named_text(&edit, &text, "Node name");
     if edit.lost_focus() {
         ui.data_mut(|d| d.remove_temp::<String>(field));
         if text != own {
@@ -140,10 +152,18 @@ pub(crate) fn name_field(ui: &Ui, id: NodeId) -> egui::Id {
 
 /// One parameter of some nodes of a kind.
 fn parameter(ui: &mut Ui, panel: &mut Panel<'_>, ids: &[NodeId], param: &Param) {
+    if let [id] = *ids {
+        match param.widget.as_deref() {
+            Some("curves") => return curves::panel(ui, panel, id, param),
+            Some("strokes") => return strokes::panel(ui, panel, id, param),
+            Some("curve_on_map") => curves::tool(ui, panel, id),
+            _ => (),
+        }
+    }
     let values: Vec<Json> = ids.iter().map(|id| current(panel.graph(), *id, param)).collect();
     let Some(value) = values.first().cloned() else { return };
     let mixed = values.iter().any(|v| *v != value);
-    let exposed = exposed_as(panel.graph(), ids[0], param).map(str::to_owned);
+    let exposed = ops::exposed_as(panel.graph(), ids[0], &param.name).map(str::to_owned);
     let changed = values.iter().any(|v| *v != param.default);
     let before = previous(ui, ids, param);
     let field = Field {
@@ -170,10 +190,7 @@ fn parameter(ui: &mut Ui, panel: &mut Panel<'_>, ids: &[NodeId], param: &Param) 
     }
     let label = format!("Set {}", param.name);
     let gesture = format!("set {:?}.{}", ids, param.name);
-    panel.apply(&label, &gesture, |graph| match &exposed {
-        Some(name) => graph.set_exposed(name, next),
-        None => ids.iter().try_for_each(|id| graph.set(*id, &param.name, next.clone())),
-    });
+    panel.apply(&label, &gesture, |graph| ops::set(graph, ids, &param.name, next));
     if edited == Edited::Done {
         panel.document.rest();
     }
@@ -244,12 +261,6 @@ fn exposure(graph: &Graph, ids: &[NodeId], param: &Param) -> (String, Vec<String
 /// The value that a parameter of a node has.
 fn current(graph: &Graph, id: NodeId, param: &Param) -> Json {
     graph.node(id).set.get(&param.name).cloned().unwrap_or_else(|| param.default.clone())
-}
-
-/// The exposed parameter that sets a parameter of a node.
-fn exposed_as<'g>(graph: &'g Graph, id: NodeId, param: &Param) -> Option<&'g str> {
-    let bind = format!("{}.{}", graph.node(id).name, param.name);
-    graph.exposed().find(|(_, e)| e.bind.contains(&bind)).map(|(name, _)| name)
 }
 
 /// The seed that was there before the last throw of the dice.

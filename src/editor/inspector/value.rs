@@ -140,8 +140,16 @@ fn flag(ui: &mut Ui, name: &str, value: &mut Json) -> Edited {
     Edited::of(&toggled)
 }
 
+/// Gives a field for text a name beside what is typed in it.
+pub(crate) fn named_text(response: &Response, text: &str, name: &str) {
+    response.widget_info(|| egui::WidgetInfo {
+        label: Some(name.to_owned()),
+        ..egui::WidgetInfo::text_edit(true, text, text, name)
+    });
+}
+
 /// Gives a widget without a text of its own a name for assistive technology, and for tests.
-pub(super) fn named(response: &Response, kind: egui::WidgetType, name: &str) {
+pub(crate) fn named(response: &Response, kind: egui::WidgetType, name: &str) {
     response.widget_info(|| egui::WidgetInfo::labeled(kind, true, name));
 }
 

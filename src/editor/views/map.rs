@@ -6,11 +6,14 @@ use eframe::egui::{
 };
 
 use super::chart;
+use super::space::Flat;
+use super::wipe::Wipe;
 use crate::editor::board::{Board, Shown};
 use crate::editor::canvas::camera::{Camera, View};
+use crate::editor::drawing::{Drawing, Pad};
 use crate::editor::shade::Look;
 use crate::editor::{image_of, theme};
-use crate::value::{Bounds, Field, Grid, Terrain, Value};
+use crate::value::{Bounds, Field, Grid, Quantity, Value};
 
 /// Most samples of a finer part.
 const MOST: usize = 4 << 20;
@@ -20,8 +23,12 @@ pub(crate) struct MapView {
     pub(crate) look: Look,
     /// Whether the profile and the histogram are shown.
     pub(crate) charts: bool,
+    /// Samples along the longer side; none for as many as the view can show.
+    pub(crate) samples: Option<u32>,
     camera: Option<Camera>,
     texture: Option<(u64, TextureHandle)>,
+    /// The texture of what is compared with it.
+    other: Option<(u64, TextureHandle)>,
     /// The texture of the finer part.
     fine: Option<(u64, TextureHandle)>,
     /// What is seen closely: a window of a finer lattice.
@@ -36,8 +43,10 @@ impl MapView {
         Self {
             look,
             charts,
+            samples: None,
             camera: None,
             texture: None,
+            other: None,
             fine: None,
             closer: None,
             profile: None,
@@ -52,6 +61,9 @@ impl MapView {
 
     /// Samples along the longer side that the view can use.
     pub(crate) fn wanted(&self, pixels: Vec2) -> u32 {
+        if let Some(samples) = self.samples {
+            return samples;
+        }
         let long = pixels.x.min(pixels.y).max(64.0);
         let fit = [129, 257, 513, 1025].into_iter().find(|n| *n as f32 >= 0.8 * long);
         fit.unwrap_or(1025)
@@ -84,40 +96,76 @@ impl MapView {
         });
     }
 
-    pub(crate) fn show(&mut self, ui: &mut Ui, board: &Board, terrain: &Terrain) {
+    pub(crate) fn show(
+        &mut self,
+        ui: &mut Ui,
+        board: &Board,
+        wipe: &mut Wipe,
+        drawing: &mut Drawing,
+        pad: &mut Pad<'_>,
+    ) {
         let (screen, ground) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         ground.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "map view"));
         ui.painter().rect_filled(screen, 0.0, ui.visuals().extreme_bg_color);
         self.texture(ui, board);
-        let bounds = terrain.bounds();
-        let view = self.travel(ui, screen, &ground, &bounds);
+        let bounds = pad.document.graph().terrain().bounds();
+        let view = self.travel(ui, screen, &ground, &bounds, drawing.holds());
         let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(screen));
         ui.set_clip_rect(screen.intersect(ui.clip_rect()));
-        let Some(shown) = &board.shown else {
-            self.closer = None;
-            self.empty(&ui, screen, board);
-            return;
-        };
-        self.look_closer(&ui, &view, shown);
-        let painter = ui.painter();
-        if let Some((_, texture)) = &self.texture {
-            let rect = view.rect(extent(shown, &bounds));
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            painter.image(texture.id(), rect, whole, Color32::WHITE);
-            if let (Some((_, texture)), Some(detail)) = (&self.fine, &board.detail) {
-                painter.image(texture.id(), view.rect(extent(detail, &bounds)), whole, Color32::WHITE);
+        let shown = board.shown.as_ref();
+        match shown {
+            None => {
+                self.closer = None;
+                self.empty(&ui, screen, board);
+            }
+            Some(shown) => {
+                self.look_closer(&ui, &view, shown);
+                self.pictures(&ui, &view, board, shown, &bounds, wipe);
+                if !drawing.holds() {
+                    self.profile(&ui, &view, &ground, shown);
+                }
             }
         }
-        self.profile(&ui, &view, &ground, shown);
+        if board.against.is_some() {
+            wipe.show(&ui, screen);
+        }
+        let height = shown.and_then(|s| elevation(&s.value));
+        drawing.show(&ui, &Flat { view, bounds, height }, &ground, pad);
+        let Some(shown) = shown else { return };
         let pointer = ui.input(|i| i.pointer.hover_pos()).filter(|p| ground.hovered() && screen.contains(*p));
         let inside = |d: &&Shown| pointer.is_some_and(|p| view.rect(extent(d, &bounds)).contains(p));
-        let shown = board.detail.as_ref().filter(inside).unwrap_or(shown);
-        self.read_out(&ui, &view, screen, pointer, shown);
+        let beyond = |_: &&Shown| pointer.is_some_and(|p| p.x > wipe.line(screen));
+        let finer = board.detail.as_ref().filter(inside);
+        let read = board.against.as_ref().filter(beyond).or(finer).unwrap_or(shown);
+        self.read_out(&ui, &view, screen, pointer, read);
         if let Some((_, why)) = &board.failure {
             let text = format!("This is not up to date: {why}");
+            let painter = ui.painter();
             let galley =
                 painter.layout(text, FontId::proportional(13.0), theme::ERROR, screen.width() - 24.0);
             painter.galley(screen.left_top() + vec2(12.0, 12.0), galley, theme::ERROR);
+        }
+    }
+
+    /// The picture of what is shown, its finer part, and what it is compared with.
+    fn pictures(&self, ui: &Ui, view: &View, board: &Board, shown: &Shown, bounds: &Bounds, wipe: &Wipe) {
+        let painter = ui.painter();
+        let Some((_, texture)) = &self.texture else { return };
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        // Curves are drawn where they are.
+        if let Value::Curves(curves) = &shown.value {
+            painter.rect_filled(view.rect(unit_rect(bounds)), 0.0, Color32::from_gray(32));
+            let space = Flat { view: *view, bounds: *bounds, height: None };
+            crate::editor::drawing::plain_curves(ui, &space, curves);
+            return;
+        }
+        painter.image(texture.id(), view.rect(extent(shown, bounds)), whole, Color32::WHITE);
+        if let (Some((_, texture)), Some(detail)) = (&self.fine, &board.detail) {
+            painter.image(texture.id(), view.rect(extent(detail, bounds)), whole, Color32::WHITE);
+        }
+        if let (Some((_, texture)), Some(other)) = (&self.other, &board.against) {
+            let painter = painter.with_clip_rect(wipe.right(ui.clip_rect()));
+            painter.image(texture.id(), view.rect(extent(other, bounds)), whole, Color32::WHITE);
         }
     }
 
@@ -134,14 +182,18 @@ impl MapView {
 
     fn texture(&mut self, ui: &Ui, board: &Board) {
         let Some(shown) = &board.shown else {
-            self.texture = None;
+            (self.texture, self.other) = (None, None);
             return;
         };
         if self.texture.as_ref().is_none_or(|(n, _)| *n != board.showings) {
-            let options =
-                TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
-            let texture = ui.ctx().load_texture("map view", image_of(&shown.picture), options);
-            self.texture = Some((board.showings, texture));
+            let magnification =
+                if shown.draft { egui::TextureFilter::Linear } else { egui::TextureFilter::Nearest };
+            let options = TextureOptions { magnification, ..TextureOptions::LINEAR };
+            let load = |name: &str, shown: &Shown| {
+                (board.showings, ui.ctx().load_texture(name, image_of(&shown.picture), options))
+            };
+            self.texture = Some(load("map view", shown));
+            self.other = board.against.as_ref().map(|other| load("map comparison", other));
         }
         match &board.detail {
             None => self.fine = None,
@@ -155,35 +207,42 @@ impl MapView {
     }
 
     /// Pans and zooms. The canvas of this view is the terrain, in units of a thousandth of its longer side.
-    fn travel(&mut self, ui: &Ui, screen: Rect, ground: &egui::Response, bounds: &Bounds) -> View {
+    fn travel(
+        &mut self,
+        ui: &Ui,
+        screen: Rect,
+        ground: &egui::Response,
+        bounds: &Bounds,
+        drawing: bool,
+    ) -> View {
         let whole = unit_rect(bounds);
-        let camera = self.camera.get_or_insert_with(|| {
-            let room = (screen.size() - vec2(16.0, 16.0)).max(vec2(40.0, 40.0));
-            let zoom = (room.x / whole.width()).min(room.y / whole.height());
-            Camera { middle: whole.center().to_vec2(), zoom }
-        });
+        let room = (screen.size() - vec2(16.0, 16.0)).max(vec2(40.0, 40.0));
+        let zoom = (room.x / whole.width()).min(room.y / whole.height());
+        let all = Camera { middle: whole.center().to_vec2(), zoom };
+        let mut camera = self.camera.unwrap_or(all);
         let at = ui.input(|i| i.pointer.hover_pos()).filter(|_| ground.hovered());
         if let Some(at) = at {
             let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
             let factor = pinch * libm::expf(scroll * 0.004);
             if factor != 1.0 {
-                let fixed = View { camera: *camera, screen }.world(at).to_vec2();
+                let fixed = View { camera, screen }.world(at).to_vec2();
                 let zoom = (camera.zoom * factor).clamp(0.05, 200.0);
                 camera.middle = fixed + (camera.middle - fixed) * (camera.zoom / zoom);
                 camera.zoom = zoom;
             }
         }
         let pans = [PointerButton::Middle, PointerButton::Secondary];
-        let hand =
-            ground.dragged_by(PointerButton::Primary) && !self.drawing && !ui.input(|i| i.modifiers.shift);
+        let shift = ui.input(|i| i.modifiers.shift);
+        let hand = ground.dragged_by(PointerButton::Primary) && !self.drawing && !drawing && !shift;
         if hand || pans.iter().any(|b| ground.dragged_by(*b)) {
             camera.middle -= ground.drag_delta() / camera.zoom;
         }
-        let view = View { camera: *camera, screen };
-        if ground.double_clicked() {
-            self.camera = None;
+        if ground.double_clicked() && !drawing {
+            camera = all;
         }
-        view
+        // As long as nobody looks elsewhere, the whole is shown, however the window changes.
+        self.camera = (camera != all).then_some(camera);
+        View { camera, screen }
     }
 
     /// Draws the line of the profile: Shift and drag.
@@ -266,7 +325,7 @@ fn along(field: &Field, [a, b]: [[f64; 2]; 2]) -> Vec<f32> {
 }
 
 /// A field between its samples; beyond its border the border's value.
-fn sample(field: &Field, at: [f64; 2]) -> f32 {
+pub(super) fn sample(field: &Field, at: [f64; 2]) -> f32 {
     let grid = field.grid();
     let [u, v] = grid.lattice.steps(at[0], at[1]);
     let split = |w: f64, first: i64, n: usize| {
@@ -280,6 +339,14 @@ fn sample(field: &Field, at: [f64; 2]) -> f32 {
     let top = a[i] + (a[i1] - a[i]) * s;
     let bottom = b[i] + (b[i1] - b[i]) * s;
     top + (bottom - top) * t
+}
+
+/// The heights of a value that has some.
+fn elevation(value: &Value) -> Option<&Field> {
+    match value {
+        Value::Field(field) if field.quantity() == Quantity::Elevation => Some(field),
+        _ => None,
+    }
 }
 
 fn value_at(value: &Value, at: [f64; 2]) -> Option<String> {
@@ -335,7 +402,7 @@ fn unit_rect(bounds: &Bounds) -> Rect {
     )
 }
 
-fn unit(bounds: &Bounds) -> f64 {
+pub(super) fn unit(bounds: &Bounds) -> f64 {
     1000.0 / bounds.width().max(bounds.depth()).max(1e-9)
 }
 

@@ -1,9 +1,14 @@
-//! Pictures of the main states, to be looked at: `OROGRAPH_PICTURES=DIR cargo test editor::pictures`.
+//! Pictures of the main states, compared with those in `tests/snapshots` and looked at: `UPDATE_SNAPSHOTS=1` writes them
+//! anew, `OROGRAPH_PICTURES=DIR` puts those and more into a folder.
 
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::{Key, Modifiers, Pos2, vec2};
+use egui_kittest::SnapshotOptions;
 use egui_kittest::kittest::Queryable as _;
 
 use super::{Window, ground, preset};
+
+/// Pixels that may differ: edges of text and of the terrain, by a hair of rounding.
+const LOOSE: usize = 40;
 
 fn picture(window: &mut Window, name: &str) {
     let Some(folder) = std::env::var_os("OROGRAPH_PICTURES") else { return };
@@ -11,30 +16,89 @@ fn picture(window: &mut Window, name: &str) {
     image.save(std::path::Path::new(&folder).join(format!("{name}.png"))).unwrap();
 }
 
+/// Compares with the picture of the name.
+fn compare(window: &mut Window, name: &str) {
+    picture(window, name);
+    let options = SnapshotOptions::new().threshold(1.5).max_failed_pixels(LOOSE);
+    window.0.snapshot_options(name, &options);
+}
+
+/// A small window on a copy of a preset, without the times that differ from run to run.
+fn small(path: &std::path::Path) -> Window {
+    let mut window = Window::drawn(path);
+    window.0.set_size(vec2(960.0, 600.0));
+    window.command("Times on nodes");
+    window.key(Key::F);
+    window.settle();
+    window
+}
+
 #[test]
 fn main_states() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = Window::drawn(&preset(folder.path()));
+    let mut window = small(&preset(folder.path()));
+    compare(&mut window, "opened");
+    window.view("Relief");
+    compare(&mut window, "relief");
+    window.key(Key::C);
     window.settle();
-    picture(&mut window, "opened");
-    window.0.get_all_by_label("Relief").next().unwrap().click();
-    window.steps(3);
-    window.settle();
-    picture(&mut window, "relief");
-    window.click("Map");
+    compare(&mut window, "compared");
+    window.key(Key::C);
+    window.view("Map");
     let first = window.graph().nodes().next().unwrap();
     let name = window.graph().node(first).name.clone();
     window.click(&format!("node {name}"));
     window.settle();
     picture(&mut window, "chosen");
-    window.hover(ground(200.0, 180.0));
+    window.hover(ground(200.0, -60.0));
     window.key(Key::Tab);
     window.text("er");
-    picture(&mut window, "search");
+    compare(&mut window, "search");
     window.key(Key::Escape);
     window.key(Key::F1);
     picture(&mut window, "keys");
     window.key(Key::Escape);
     window.keys(Modifiers::COMMAND, Key::B);
+    window.settle();
     picture(&mut window, "build");
+}
+
+#[test]
+fn curves_in_both_views() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mountain.graph");
+    std::fs::copy("graphs/mountain.graph", &path).unwrap();
+    let mut window = small(&path);
+    window.click("node curves");
+    window.settle();
+    window.click("stream 1");
+    window.steps(3);
+    let point = window.0.query_all_by_label_contains("constraint point 1").next().unwrap().rect().center();
+    window.press(point);
+    window.steps(30);
+    compare(&mut window, "curves_on_the_map");
+    window.view("Relief");
+    compare(&mut window, "curves_in_the_relief");
+}
+
+#[test]
+fn painting_and_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = small(&preset(folder.path()));
+    window.hover(ground(500.0, 0.0));
+    window.key(Key::M);
+    window.settle();
+    let middle = window.0.get_by_label("map view").rect().center();
+    let at = |x: f32, y: f32| middle + vec2(x, y);
+    let way: Vec<Pos2> =
+        (0..=24).map(|k| at(-60.0 + 5.0 * k as f32, 30.0 * libm::sinf(k as f32 * 0.4))).collect();
+    window.drag(&way);
+    window.settle();
+    picture(&mut window, "painted");
+    window.0.get_by_label("colours").click();
+    window.steps(3);
+    window.click("bent.field");
+    window.settle();
+    window.view("Relief");
+    picture(&mut window, "coloured");
 }

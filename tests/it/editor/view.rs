@@ -1,6 +1,8 @@
 //! What is evaluated and shown.
 
-use eframe::egui::Key;
+use eframe::egui::{Key, Modifiers, vec2};
+
+use egui_kittest::kittest::Queryable as _;
 
 use super::{Window, ground, preset};
 
@@ -37,4 +39,44 @@ fn a_change_is_evaluated_and_a_fault_is_told() {
     window.key(Key::Delete);
     window.settle();
     assert!(!window.sees("1 errors"));
+}
+
+#[test]
+fn two_nodes_are_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Window::on(&preset(folder.path()));
+    window.settle();
+    assert!(!window.has("wipe"));
+    window.key(Key::C);
+    window.settle();
+    let line = window.at("wipe");
+    window.drag(&[line, line + vec2(-80.0, 0.0)]);
+    assert!((window.at("wipe").x - line.x + 80.0).abs() < 2.0, "the line follows the hand");
+    window.key(Key::C);
+    window.settle();
+    assert!(!window.has("wipe"));
+}
+
+#[test]
+fn an_estimate_of_the_build_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Window::on(&preset(folder.path()));
+    window.settle();
+    window.keys(Modifiers::COMMAND, Key::B);
+    window.settle();
+    assert!(window.sees("MB of memory"));
+}
+
+#[test]
+fn more_memory_than_the_budget_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Window::frugal(&preset(folder.path()), 1 << 20);
+    window.settle();
+    assert!(window.editor().shown_range().is_none());
+    assert!(window.sees("over the budget of memory"));
+    let allow = window.0.query_all_by_label_contains("Allow").next().unwrap();
+    allow.click();
+    window.steps(3);
+    window.settle();
+    assert!(window.editor().shown_range().is_some(), "it was allowed");
 }

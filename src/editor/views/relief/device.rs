@@ -29,6 +29,10 @@ pub(crate) struct Frame {
     pub(crate) terrain: Terrain,
     pub(crate) sight: Sight,
     pub(crate) exaggeration: f32,
+    /// Lowest and highest point, the same for two terrains that are compared.
+    pub(crate) range: [f32; 2],
+    /// Which of the compared terrains it is.
+    pub(crate) slot: usize,
     /// Height of the water, in metres.
     pub(crate) water: Option<f32>,
     pub(crate) background: [f32; 3],
@@ -51,7 +55,7 @@ struct Uniform {
 
 impl Frame {
     fn uniform(&self) -> Uniform {
-        let (s, [low, high]) = (&self.sight, self.range());
+        let (s, [low, high]) = (&self.sight, self.range);
         let middle = 0.5 * (low + high);
         let water = self.water.map_or(f32::MIN, |w| (w - middle) * self.exaggeration);
         let (cols, rows) = (s.cols as f32, s.rows as f32);
@@ -64,10 +68,6 @@ impl Frame {
             water: [0.16, 0.33, 0.47, 0.0],
         }
     }
-
-    fn range(&self) -> [f32; 2] {
-        self.terrain.height.range().map_or([0.0; 2], |(a, b)| [a, b])
-    }
 }
 
 impl egui_wgpu::CallbackTrait for Frame {
@@ -79,11 +79,9 @@ impl egui_wgpu::CallbackTrait for Frame {
         encoder: &mut wgpu::CommandEncoder,
         resources: &mut egui_wgpu::CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
-        if !resources.contains::<Stage>() {
-            resources.insert(Stage::new(device, self.format));
-        }
-        if let Some(stage) = resources.get_mut::<Stage>() {
-            stage.draw(device, queue, encoder, self);
+        let stages = resources.entry::<Stages>().or_insert_with(Stages::default);
+        if let Some(stage) = stages.0.get_mut(self.slot) {
+            stage.get_or_insert_with(|| Stage::new(device, self.format)).draw(device, queue, encoder, self);
         }
         Vec::new()
     }
@@ -94,13 +92,18 @@ impl egui_wgpu::CallbackTrait for Frame {
         pass: &mut wgpu::RenderPass<'static>,
         resources: &egui_wgpu::CallbackResources,
     ) {
-        let Some(stage) = resources.get::<Stage>() else { return };
+        let stages = resources.get::<Stages>();
+        let Some(stage) = stages.and_then(|s| s.0.get(self.slot)?.as_ref()) else { return };
         let Some(target) = &stage.target else { return };
         pass.set_pipeline(&stage.copy);
         pass.set_bind_group(0, &target.group, &[]);
         pass.draw(0..3, 0..1);
     }
 }
+
+/// A stage for each of two terrains that are compared.
+#[derive(Default)]
+struct Stages([Option<Stage>; 2]);
 
 /// What stays on the device between frames.
 struct Stage {

@@ -5,6 +5,7 @@ mod device;
 mod orbit;
 mod pieces;
 mod pipeline;
+mod space;
 mod texture;
 
 use std::sync::Arc;
@@ -17,8 +18,13 @@ use glam::Vec3;
 use device::{Frame, Terrain};
 use orbit::Orbit;
 use pieces::Sight;
+use space::Deep;
 
+use super::wipe::Wipe;
 use crate::editor::board::{Board, Shown};
+use crate::editor::drawing::{Drawing, Pad};
+use crate::editor::shade::Light;
+use crate::render::Picture;
 use crate::value::{Field, Quantity, Value};
 
 /// The most samples along a side that a device is sure to take as a texture.
@@ -30,22 +36,34 @@ pub(crate) struct ReliefView {
     pub(crate) water: bool,
     /// Pixels that a quad may take.
     pub(crate) coarseness: f32,
+    /// Where the light comes from.
+    pub(crate) light: Light,
     orbit: Orbit,
+    /// Whether the whole terrain is to be shown again.
+    fit: bool,
     /// The format of the window; without one there is no device to draw with.
     format: Option<TextureFormat>,
 }
 
 impl ReliefView {
     pub(crate) fn new(format: Option<TextureFormat>) -> Self {
-        Self { exaggeration: 1.0, water: true, coarseness: 2.5, orbit: Orbit::default(), format }
+        let (orbit, light) = (Orbit::default(), Light::default());
+        Self { exaggeration: 1.0, water: true, coarseness: 2.5, light, orbit, fit: true, format }
     }
 
-    /// Stands where it stood at first.
+    /// Shows the whole terrain, as at first.
     pub(crate) fn reset(&mut self) {
-        self.orbit = Orbit::default();
+        self.fit = true;
     }
 
-    pub(crate) fn show(&mut self, ui: &mut Ui, board: &Board, sea_level: f64) {
+    pub(crate) fn show(
+        &mut self,
+        ui: &mut Ui,
+        board: &Board,
+        wipe: &mut Wipe,
+        drawing: &mut Drawing,
+        pad: &mut Pad<'_>,
+    ) {
         let (rect, ground) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         ground.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "relief view"));
         let background = if ui.visuals().dark_mode {
@@ -54,10 +72,11 @@ impl ReliefView {
             Color32::from_rgb(196, 206, 216)
         };
         ui.painter().rect_filled(rect, 0.0, background);
-        self.steer(ui, &ground);
+        self.steer(ui, &ground, drawing.holds());
         let shown = board.shown.as_ref();
-        let terrain = shown.and_then(|shown| terrain(shown, board));
-        let (Some(terrain), Some(format)) = (terrain, self.format) else {
+        let lit = board.lit_now();
+        let main = shown.and_then(|s| terrain(s, board.showings, lit.map(|l| (&l.picture, l.number))));
+        let (Some(main), Some(format)) = (main, self.format) else {
             let text = match (shown, self.format) {
                 (_, None) => "There is no graphics device to draw with.",
                 (None, _) => "Select a node to see its terrain.",
@@ -69,34 +88,64 @@ impl ReliefView {
             ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, color);
             return;
         };
-        let draft = shown.is_some_and(|s| s.draft);
-        let sight = self.sight(&terrain.height, rect.size(), ui.pixels_per_point());
+        let against = board.against.as_ref().and_then(|s| {
+            terrain(s, board.showings, lit.and_then(|l| Some((l.against.as_ref()?, l.number))))
+        });
+        let heights = [Some(&main), against.as_ref()].into_iter().flatten().filter_map(|t| t.height.range());
+        let range = heights.fold([f32::MAX, f32::MIN], |[a, b], (low, high)| [a.min(low), b.max(high)]);
+        let sight = self.sight(&main.height, range, rect.size(), ui.pixels_per_point());
         let size = rect.size() * ui.pixels_per_point();
         let pixels = [size.x, size.y].map(|v| (v.round() as u32).clamp(1, 8192));
         let background = [background.r(), background.g(), background.b()].map(|c| f32::from(c) / 255.0);
-        let low = terrain.height.range().map_or(0.0, |(low, _)| low);
-        let sea = sea_level as f32;
-        let water = (self.water && sea > low).then_some(sea);
-        let frame =
-            Frame { terrain, sight, exaggeration: self.exaggeration, water, background, pixels, format };
-        ui.painter().add(Callback::new_paint_callback(rect, frame));
-        if draft {
+        let sea = pad.document.graph().terrain().sea_level as f32;
+        let water = (self.water && sea > range[0]).then_some(sea);
+        let height = main.height.clone();
+        let draw = |terrain: Terrain, slot: usize, clip: egui::Rect| {
+            let exaggeration = self.exaggeration;
+            let frame =
+                Frame { terrain, sight, exaggeration, range, slot, water, background, pixels, format };
+            let painter = ui.painter().with_clip_rect(clip.intersect(ui.clip_rect()));
+            painter.add(Callback::new_paint_callback(rect, frame));
+        };
+        let compared = against.is_some();
+        draw(main, 0, if compared { wipe.left(rect) } else { rect });
+        if let Some(against) = against {
+            draw(against, 1, wipe.right(rect));
+        }
+        let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(rect));
+        ui.set_clip_rect(rect.intersect(ui.clip_rect()));
+        if compared {
+            wipe.show(&ui, rect);
+        }
+        let space = Deep {
+            to_screen: sight.to_screen,
+            eye: sight.eye,
+            screen: rect,
+            height: &height,
+            exaggeration: f64::from(self.exaggeration),
+            range: range.map(f64::from),
+        };
+        drawing.show(&ui, &space, &ground, pad);
+        if shown.is_some_and(|s| s.draft) {
             let at = rect.left_bottom() + vec2(12.0, -10.0);
             ui.painter().text(at, Align2::LEFT_BOTTOM, "draft", FontId::monospace(12.0), Color32::WHITE);
         }
     }
 
     /// Orbits, pans, zooms and flies.
-    fn steer(&mut self, ui: &Ui, ground: &egui::Response) {
+    fn steer(&mut self, ui: &Ui, ground: &egui::Response, drawing: bool) {
         let size = ground.rect.size().max(vec2(1.0, 1.0));
         let by = ground.drag_delta();
         let shift = ui.input(|i| i.modifiers.shift);
-        if ground.dragged_by(PointerButton::Primary) && !shift {
+        let primary = ground.dragged_by(PointerButton::Primary);
+        if primary && drawing {
+            // The hand draws.
+        } else if primary && !shift {
             self.orbit.turn(by.x / size.x * 240.0, by.y / size.y * 140.0);
         } else if ground.dragged() {
             self.orbit.pan(by.x / size.y, by.y / size.y);
         }
-        if ground.double_clicked() {
+        if ground.double_clicked() && !drawing {
             self.reset();
         }
         if !ground.hovered() && !ground.dragged() {
@@ -108,7 +157,7 @@ impl ReliefView {
         if factor != 1.0 {
             self.orbit.zoom(factor);
         }
-        let flying = ground.dragged() || ground.has_focus();
+        let flying = (ground.dragged() && !drawing) || ground.has_focus();
         let key = |k: egui::Key| ui.input(|i| i.key_down(k)) && flying;
         let axis = |more, less| f32::from(u8::from(key(more))) - f32::from(u8::from(key(less)));
         use egui::Key::{A, D, E, Q, S, W};
@@ -119,14 +168,17 @@ impl ReliefView {
         }
     }
 
-    fn sight(&self, height: &Field, size: egui::Vec2, points: f32) -> Sight {
+    fn sight(&mut self, height: &Field, [low, high]: [f32; 2], size: egui::Vec2, points: f32) -> Sight {
         let grid = height.grid();
         let cell = grid.cell() as f32;
         let half = |n: usize| 0.5 * (n - 1) as f32 * cell;
         let corner = [-half(grid.cols), -half(grid.rows)];
         let unit = (2.0 * half(grid.cols.max(grid.rows))).max(1e-3);
-        let (low, high) = height.range().unwrap_or((0.0, 0.0));
         let reach = 0.5 * (high - low) * self.exaggeration;
+        if std::mem::take(&mut self.fit) {
+            let half = Vec3::new(-corner[0], -corner[1], reach.max(0.0)) / unit;
+            self.orbit = Orbit::default().fitted(half, size.x / size.y.max(1.0));
+        }
         let to_screen = self.orbit.projection(size.x / size.y.max(1.0), unit);
         let eye: Vec3 = self.orbit.eye() * unit;
         Sight {
@@ -144,15 +196,14 @@ impl ReliefView {
 }
 
 /// The terrain of what is shown, under its best picture; none where it is no height.
-fn terrain(shown: &Shown, board: &Board) -> Option<Terrain> {
+fn terrain(shown: &Shown, id: u64, lit: Option<(&Arc<Picture>, u64)>) -> Option<Terrain> {
     let Value::Field(height) = &shown.value else { return None };
     let grid = height.grid();
     let fits = (2..=MOST).contains(&grid.cols) && (2..=MOST).contains(&grid.rows);
     if !fits || !matches!(height.quantity(), Quantity::Elevation | Quantity::Length) {
         return None;
     }
-    let lit = board.lit.as_ref().filter(|(showing, _)| *showing == board.showings).map(|(_, p)| p.clone());
-    let picture_id = board.showings * 2 + u64::from(lit.is_some());
-    let picture = lit.unwrap_or_else(|| Arc::clone(&shown.picture));
-    Some(Terrain { id: board.showings, height: height.clone(), picture_id, picture })
+    let (picture, picture_id) = lit.unwrap_or((&shown.picture, 0));
+    let picture = Arc::clone(picture);
+    Some(Terrain { id, height: height.clone(), picture_id, picture })
 }

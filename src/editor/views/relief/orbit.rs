@@ -28,6 +28,31 @@ impl Default for Orbit {
 }
 
 impl Orbit {
+    /// The eye turned as it is, so near that a block around the middle of the terrain just fits; `half` is half its
+    /// width, depth and height.
+    pub(crate) fn fitted(self, half: Vec3, aspect: f32) -> Self {
+        let mut orbit = Self { target: Vec3::ZERO, distance: 0.3, ..self };
+        let corners: [Vec3; 8] = std::array::from_fn(|k| {
+            let sign = |bit: usize| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            half * Vec3::new(sign(0), sign(1), sign(2))
+        });
+        // Nearness and middle depend on each other; each round halves what is left at least.
+        for _ in 0..60 {
+            let to_screen = orbit.projection(aspect, 1.0);
+            let seen = corners.map(|c| to_screen * c.extend(1.0));
+            if seen.iter().any(|c| c.w <= 0.01) {
+                orbit.zoom(0.8);
+                continue;
+            }
+            let at = seen.map(|c| c.truncate() / c.w);
+            let (low, high) = at.iter().fold((at[0], at[0]), |(a, b), p| (a.min(*p), b.max(*p)));
+            let (size, middle) = (high - low, 0.5 * (low + high));
+            orbit.pan(-0.5 * middle.x * aspect, 0.5 * middle.y);
+            orbit.zoom((1.9 / size.x).min(1.86 / size.y).clamp(0.8, 1.25));
+        }
+        orbit
+    }
+
     /// From the target to the eye, of length one.
     fn outward(&self) -> Vec3 {
         let (a, p) = (self.azimuth.to_radians(), self.pitch.to_radians());
@@ -109,6 +134,24 @@ mod tests {
         assert!(at(Vec3::new(1000.0, 0.0, 0.0)).x > 0.05, "east is right");
         assert!(at(Vec3::new(0.0, -1000.0, 0.0)).y > 0.02, "north is ahead");
         assert!(at(Vec3::new(0.0, 0.0, 1000.0)).y > 0.05, "up is up");
+    }
+
+    #[test]
+    fn a_fitted_block_fills_the_view_and_no_more() {
+        for (aspect, half) in [
+            (2.5, Vec3::new(0.5, 0.5, 0.1)),
+            (1.0, Vec3::new(0.5, 0.25, 0.02)),
+            (0.6, Vec3::new(0.2, 0.5, 0.4)),
+        ] {
+            let to_screen = Orbit::default().fitted(half, aspect).projection(aspect, 1.0);
+            let mut most = 0.0f32;
+            for k in 0..8 {
+                let sign = |bit: usize| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
+                let at = to_screen.project_point3(half * Vec3::new(sign(0), sign(1), sign(2)));
+                most = most.max(at.x.abs()).max(at.y.abs());
+            }
+            assert!((0.8..1.0).contains(&most), "{aspect}: {most}");
+        }
     }
 
     #[test]

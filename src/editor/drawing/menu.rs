@@ -1,0 +1,116 @@
+//! What can be done to a curve by its menus.
+
+use eframe::egui::{Pos2, Response, Ui};
+
+use super::curves::under;
+use super::grip::Part;
+use super::sheet::Sheet;
+use super::{Drawing, Pad, Space, Tool};
+use crate::value::Curve;
+use crate::value::curves::edit::Form;
+
+/// Where a menu was asked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    curve: usize,
+    u: f64,
+}
+
+impl Spot {
+    pub(super) fn of(
+        sheet: &Sheet,
+        curves: &[Option<Curve>],
+        number: Option<usize>,
+        pos: Pos2,
+        space: &dyn Space,
+    ) -> Option<Self> {
+        let curve = number.filter(|i| *i < sheet.len())?;
+        Some(Self { curve, u: under(curves.get(curve)?.as_ref()?, pos, space) })
+    }
+}
+
+impl Drawing {
+    /// The menu of the ground: what can be done to the curve that is under it or chosen.
+    pub(super) fn curve_menu(&mut self, ground: &Response, pad: &mut Pad<'_>) {
+        ground.context_menu(|ui| {
+            let one = |ui: &mut Ui, text: &str| ui.button(text).clicked();
+            if one(ui, "Draw a curve") {
+                self.tool = Tool::Draw;
+                (self.start, self.anchor) = (None, None);
+                ui.close();
+            }
+            let Some(spot) = self.menu else { return };
+            self.choose(Some(spot.curve));
+            ui.separator();
+            let name = self.sheet().map(|s| s.name(spot.curve)).unwrap_or_default();
+            ui.weak(name);
+            if one(ui, "Add control point here") {
+                self.add_anchor(pad, spot.u);
+            }
+            if !matches!(self.sheet(), Some(Sheet::Curves(_))) {
+                return;
+            }
+            if one(ui, "Add constraint point here") {
+                self.add_point(pad, spot.u);
+            }
+            if one(ui, "Cut here") {
+                self.cut(pad, spot.u);
+            }
+            if one(ui, "Turn round") {
+                self.on_chosen(pad, "Turn curve round", |spec| {
+                    *spec = spec.reversed();
+                    Ok(())
+                });
+            }
+            ui.separator();
+            self.forms(ui, pad);
+            ui.separator();
+            if one(ui, "Delete curve") {
+                self.remove_part(pad, Part::Body);
+            }
+        });
+    }
+
+    fn forms(&mut self, ui: &mut Ui, pad: &mut Pad<'_>) {
+        let now = self.curve.and_then(|i| Some(self.sheet()?.spec(i)?.form()));
+        let forms = [
+            (Form::Bezier, "Bend by handles"),
+            (Form::Through, "Smooth through its points"),
+            (Form::Line, "Straight from point to point"),
+        ];
+        for (form, text) in forms {
+            if ui.selectable_label(now == Some(form), text).clicked() && now != Some(form) {
+                self.on_chosen(pad, text, |spec| {
+                    *spec = spec.in_form(form)?;
+                    Ok(())
+                });
+                ui.close();
+            }
+        }
+    }
+
+    fn cut(&mut self, pad: &mut Pad<'_>, u: f64) {
+        let (Some(mut sheet), Some(number)) = (self.sheet().cloned(), self.curve) else { return };
+        let Sheet::Curves(specs) = &mut sheet else { return };
+        match specs.get(number).map(|s| s.split(u)) {
+            Some(Ok(halves)) => {
+                specs.splice(number..=number, halves);
+                (self.point, self.anchor) = (None, None);
+                self.write(pad, "Cut curve", None, &sheet);
+            }
+            Some(Err(fault)) => pad.notices.fail(format!("The curve {fault}")),
+            None => (),
+        }
+    }
+
+    /// The menu of a part.
+    pub(super) fn grip_menu(&mut self, ui: &mut Ui, pad: &mut Pad<'_>, part: Part) {
+        let removable = matches!(part, Part::Anchor(_) | Part::Point(_) | Part::Height(_));
+        if removable && ui.button(format!("Remove {}", super::curves::kind(part))).clicked() {
+            self.remove_part(pad, part);
+        }
+        if ui.button("Delete curve").clicked() {
+            self.remove_part(pad, Part::Body);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! How curves and their grips look: light over dark, so that they are seen on any ground.
+
+use eframe::egui::{Align2, Color32, FontId, Pos2, Shape, Stroke, Ui, vec2};
+
+use super::Space;
+use super::grip::{Grip, Part};
+use crate::editor::theme;
+use crate::value::{Curve, Curves, WireType};
+
+/// Points drawn for each piece of a curve.
+const STEPS: u32 = 14;
+const DARK: Color32 = Color32::from_black_alpha(170);
+
+/// A point of a curve on the screen.
+#[derive(Clone, Copy)]
+pub(super) struct Dot {
+    pub(super) at: Pos2,
+    /// Whether it is not behind the ground.
+    pub(super) seen: bool,
+}
+
+/// A curve on the screen.
+pub(super) type Line = Vec<Dot>;
+
+/// A curve as it is seen; what is behind the eye is left out.
+pub(super) fn line(curve: &Curve, space: &dyn Space) -> Line {
+    let length = curve.length().max(1e-9);
+    let mut all = Vec::new();
+    for i in 0..curve.pieces() {
+        let (piece, [from, to]) = (curve.piece(i), curve.piece_span(i));
+        for k in u32::from(i > 0)..=STEPS {
+            let t = f64::from(k) / f64::from(STEPS);
+            let at = piece.at(t);
+            let u = (from + (to - from) * t) / length;
+            let z = curve.height(u).unwrap_or_else(|| space.height(at));
+            let at = [at[0], at[1], z];
+            all.extend(space.screen(at).map(|p| Dot { at: p, seen: !space.hides(at) }));
+        }
+    }
+    all
+}
+
+/// All curves; the chosen one and the one under the pointer stand out.
+pub(super) fn lines(ui: &Ui, lines: &[Option<Line>], chosen: Option<usize>, hit: Option<usize>) {
+    let usual = theme::wire_color(WireType::Curves);
+    for (i, line) in lines.iter().enumerate() {
+        let Some(line) = line else { continue };
+        let (width, color) = match (chosen == Some(i), hit == Some(i)) {
+            (true, _) => (2.5, theme::CHOSEN),
+            (false, true) => (2.5, Color32::WHITE),
+            (false, false) => (1.5, usual),
+        };
+        for part in line.chunk_by(|a, b| a.seen == b.seen) {
+            let points: Vec<Pos2> = part.iter().map(|d| d.at).collect();
+            if part[0].seen {
+                stroke(ui, &points, width, color);
+            } else {
+                ui.painter().line(points, Stroke::new(1.0, color.gamma_multiply(0.25)));
+            }
+        }
+    }
+}
+
+/// Curves that are only looked at.
+pub(crate) fn plain(ui: &Ui, space: &dyn Space, curves: &Curves) {
+    let all: Vec<_> = curves.iter().map(|c| Some(line(c, space))).collect();
+    lines(ui, &all, None, None);
+}
+
+fn stroke(ui: &Ui, line: &[Pos2], width: f32, color: Color32) {
+    ui.painter().line(line.to_vec(), Stroke::new(width + 2.0, DARK));
+    ui.painter().line(line.to_vec(), Stroke::new(width, color));
+}
+
+/// A line through places of the ground that is being drawn.
+pub(super) fn path(ui: &Ui, space: &dyn Space, points: &[[f64; 2]]) {
+    let seen: Vec<Pos2> =
+        points.iter().filter_map(|p| space.screen([p[0], p[1], space.height(*p)])).collect();
+    stroke(ui, &seen, 2.0, theme::CHOSEN);
+}
+
+/// A part that can be held: squares for control points, circles for handles, diamonds for constraint points, a pin for
+/// heights, bars for widths, triangles for angles.
+pub(super) fn grip(ui: &Ui, space: &dyn Space, grip: &Grip, at: Pos2, hot: bool, chosen: bool) {
+    let painter = ui.painter();
+    let color = match grip.part {
+        Part::Anchor(_) | Part::Handle(_) | Part::Body => Color32::WHITE,
+        Part::Point(_) | Part::Height(_) => theme::CHOSEN,
+        Part::Plateau(_) => Color32::from_rgb(120, 200, 255),
+        Part::Extent(..) | Part::Angle(..) => Color32::from_rgb(255, 150, 110),
+    };
+    if let Some(from) = grip.joined.and_then(|p| space.screen(p)) {
+        painter.line_segment([from, at], Stroke::new(3.0, DARK));
+        painter.line_segment([from, at], Stroke::new(1.2, color));
+    }
+    let size = if hot || chosen { 6.5 } else { 5.0 };
+    let edge =
+        Stroke::new(if chosen { 2.5 } else { 1.5 }, if chosen { theme::CHOSEN } else { Color32::BLACK });
+    let fill = if chosen { Color32::WHITE } else { color };
+    let corners = |shape: &[[f32; 2]]| {
+        let points = shape.iter().map(|[x, y]| at + vec2(*x, *y) * size).collect();
+        Shape::convex_polygon(points, fill, edge)
+    };
+    let shape = match grip.part {
+        Part::Anchor(_) | Part::Body => {
+            corners(&[[-0.85, -0.85], [0.85, -0.85], [0.85, 0.85], [-0.85, 0.85]])
+        }
+        Part::Handle(_) | Part::Height(_) => {
+            painter.circle(at, size * 0.85, fill, edge);
+            return;
+        }
+        Part::Point(_) => corners(&[[0.0, -1.2], [1.2, 0.0], [0.0, 1.2], [-1.2, 0.0]]),
+        Part::Plateau(_) | Part::Extent(..) => corners(&[[-0.5, -1.1], [0.5, -1.1], [0.5, 1.1], [-0.5, 1.1]]),
+        Part::Angle(..) => corners(&[[0.0, -1.1], [1.1, 0.9], [-1.1, 0.9]]),
+    };
+    painter.add(shape);
+}
+
+/// What is under the hand, and its value.
+pub(super) fn tell(ui: &Ui, at: Pos2, text: &str) {
+    let galley =
+        ui.painter().layout_no_wrap(text.trim().to_owned(), FontId::proportional(12.5), Color32::WHITE);
+    let rect = Align2::LEFT_BOTTOM.anchor_size(at + vec2(12.0, -10.0), galley.size());
+    ui.painter().rect_filled(rect.expand(4.0), 4.0, Color32::from_black_alpha(190));
+    ui.painter().galley(rect.min, galley, Color32::WHITE);
+}

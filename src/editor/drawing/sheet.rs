@@ -1,0 +1,108 @@
+//! What is drawn: the parameter of a node that holds curves, a line through points, or strokes of a brush. Which it is
+//! says the schema, by its widget, so that a new kind can be drawn by hand the moment it exists.
+
+use serde_json::Value as Json;
+
+use crate::graph::{Graph, NodeId};
+use crate::kit::curves::short::{self, Grain, Ground};
+use crate::kit::paint::Stroke;
+use crate::units::{Metres, Ratio};
+use crate::value::{Curve, CurveSpec};
+
+/// The drawing of a node.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Sheet {
+    /// Feature curves.
+    Curves(Vec<CurveSpec>),
+    /// East, south and, where the kind has one, height of points that one curve goes through.
+    Trail(Vec<Vec<f64>>),
+    /// Strokes of a brush.
+    Strokes(Vec<Stroke>),
+}
+
+impl Sheet {
+    /// The drawing that a node holds, and the parameter that it is.
+    pub(crate) fn of(graph: &Graph, id: NodeId) -> Option<(String, Self)> {
+        let node = graph.get(id)?;
+        let drawn = |p: &&crate::params::Param| {
+            matches!(p.widget.as_deref(), Some("curves" | "curve_on_map" | "strokes"))
+        };
+        let param = node.kind()?.params().iter().find(drawn)?;
+        let value = node.set.get(&param.name).unwrap_or(&param.default).clone();
+        let sheet = match param.widget.as_deref() {
+            Some("curves") => Self::Curves(serde_json::from_value(value).ok()?),
+            Some("strokes") => Self::Strokes(serde_json::from_value(value).ok()?),
+            _ => Self::Trail(serde_json::from_value(value).ok()?),
+        };
+        Some((param.name.clone(), sheet))
+    }
+
+    /// The value of the parameter.
+    pub(crate) fn json(&self) -> Json {
+        let value = match self {
+            Self::Curves(specs) => serde_json::to_value(specs),
+            Self::Trail(points) => serde_json::to_value(points),
+            Self::Strokes(strokes) => serde_json::to_value(strokes),
+        };
+        let mut value = value.unwrap_or_default();
+        tidy(&mut value);
+        value
+    }
+
+    /// Number of curves.
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Curves(specs) => specs.len(),
+            Self::Trail(points) => usize::from(!points.is_empty()),
+            Self::Strokes(_) => 0,
+        }
+    }
+
+    pub(crate) fn spec(&self, i: usize) -> Option<&CurveSpec> {
+        match self {
+            Self::Curves(specs) => specs.get(i),
+            _ => None,
+        }
+    }
+
+    /// What a curve is called.
+    pub(crate) fn name(&self, i: usize) -> String {
+        match self.spec(i).filter(|s| !s.name.is_empty()) {
+            Some(spec) => spec.name.clone(),
+            None => format!("curve {}", i + 1),
+        }
+    }
+
+    /// The curves; none where a curve has a fault.
+    pub(super) fn build(&self, i: usize) -> Option<Curve> {
+        match self {
+            Self::Curves(specs) => specs.get(i)?.build().ok(),
+            Self::Trail(points) => trail(points),
+            Self::Strokes(_) => None,
+        }
+    }
+}
+
+/// The curve that the short forms make of their points.
+fn trail(points: &[Vec<f64>]) -> Option<Curve> {
+    let places: Vec<_> = points.iter().map(|p| Some([*p.first()?, *p.get(1)?])).collect::<Option<_>>()?;
+    let heights: Option<Vec<f64>> = points.iter().map(|p| p.get(2).copied()).collect();
+    // A curve says something; what does not matter here.
+    let grain = Grain::Set { amplitude: Metres(0.0), roughness: Ratio(0.0) };
+    let curves = short::curve("", &places, heights.as_deref(), Ground { grain, ..Ground::default() });
+    curves.ok()?.iter().next().cloned()
+}
+
+/// Writes whole numbers without a point and others without digits that nobody meant.
+pub(crate) fn tidy(json: &mut Json) {
+    match json {
+        Json::Number(n) => {
+            let Some(x) = n.as_f64().filter(|_| n.is_f64()) else { return };
+            let x = (x * 1e6).round() / 1e6;
+            *json = if x == x.round() && x.abs() < 1e15 { Json::from(x as i64) } else { Json::from(x) };
+        }
+        Json::Array(items) => items.iter_mut().for_each(tidy),
+        Json::Object(map) => map.values_mut().for_each(tidy),
+        _ => (),
+    }
+}

@@ -1,0 +1,79 @@
+//! The small pictures of the nodes.
+
+use super::view::value_range;
+use super::{Order, Shared, Stopped, lock};
+use crate::context::Cancel;
+use crate::editor::board::{NodeState, Seen};
+use crate::editor::draft::preview;
+use crate::editor::watcher::Watcher;
+use crate::engine::{Engine, EngineError, Key, Want};
+use crate::graph::{Graph, NodeId};
+use crate::value::Grid;
+
+/// Samples along the longer side of a thumbnail.
+const SIZE: u32 = 97;
+/// Estimated seconds of a thumbnail that nobody asked for.
+const SECONDS: f64 = 4.0;
+
+impl Shared {
+    /// Makes the small pictures of the nodes whose results have changed, those in sight first.
+    pub(super) fn thumbnails(&self, engine: &Engine, order: &Order, cancel: &Cancel) -> Result<(), Stopped> {
+        let graph = &order.graph;
+        let all: Vec<NodeId> = graph.nodes().collect();
+        let keys = engine.keys(graph, &all);
+        self.tell(|board| board.keep(&keys));
+        let Some(grid) = preview(graph.terrain(), SIZE) else { return Ok(()) };
+        let hidden = all.iter().filter(|id| !order.in_sight.contains(id));
+        for &id in order.in_sight.iter().chain(hidden) {
+            if cancel.is_cancelled() {
+                return Err(Stopped);
+            }
+            let Some(key) = keys.get(&id) else { continue };
+            if !lock(&self.board).lacks(id, *key) {
+                continue;
+            }
+            self.thumbnail(engine, graph, id, *key, grid, cancel)?;
+        }
+        Ok(())
+    }
+
+    fn thumbnail(
+        &self,
+        engine: &Engine,
+        graph: &Graph,
+        id: NodeId,
+        key: Key,
+        grid: Grid,
+        cancel: &Cancel,
+    ) -> Result<(), Stopped> {
+        let Some(port) = graph.get(id).and_then(|n| n.kind()?.outputs.first()) else { return Ok(()) };
+        let want = [Want { node: id, port: port.name, grid }];
+        let plan = engine.plan(graph, &want);
+        if plan.seconds() > SECONDS || engine.admit(&plan).is_err() {
+            return Ok(());
+        }
+        let tell = |node, state| self.tell(|board| board.node(node, state));
+        let watch = Watcher::new(graph, &tell);
+        let evaluation = match engine.evaluate(graph, &want, &watch, cancel) {
+            Err(EngineError::Cancelled) => return Err(Stopped),
+            Err(_) => return Ok(()),
+            Ok(evaluation) => evaluation,
+        };
+        for value in evaluation.values {
+            match value {
+                Ok(value) => {
+                    let picture = crate::render::thumbnail(&value, SIZE as usize, cancel);
+                    let range = value_range(&value);
+                    let picture = picture.map_err(|_| Stopped)?;
+                    self.tell(|board| board.thumbnail(id, Seen { key, picture, range }));
+                }
+                Err(failure) => {
+                    // The failure belongs to the node that failed, not to those downstream of it.
+                    let at = failure.node().and_then(|name| graph.find(name)).unwrap_or(id);
+                    self.tell(|board| board.node(at, NodeState::Failed(failure.to_string())));
+                }
+            }
+        }
+        Ok(())
+    }
+}

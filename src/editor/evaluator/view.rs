@@ -1,0 +1,256 @@
+//! What the view shows: a draft at once where the exact result takes long, then that, then its light, then what is
+//! looked at closely.
+
+use std::sync::Arc;
+
+use super::{Order, Shared, Stopped, lock};
+use crate::context::Cancel;
+use crate::editor::board::{Made, NodeState, Scenery, Shown};
+use crate::editor::draft::{COARSER, draft_of, preview};
+use crate::editor::shade::{self, Light};
+use crate::editor::watcher::Watcher;
+use crate::engine::{Engine, EngineError, Want};
+use crate::graph::{Graph, Source};
+use crate::render::{Picture, Scene, Watch, map};
+use crate::value::{Colors, Field, Grid, Quantity, Value};
+
+/// Estimated seconds from which a draft is shown before the exact result.
+const DRAFT_ABOVE: f64 = 0.08;
+/// Estimated seconds that a draft may take; the coarsest is taken whatever it takes.
+const DRAFT: f64 = 0.06;
+/// Samples along the longer side up to which a draft is lit, too: more would take longer than the draft itself.
+const LIT_DRAFT: usize = 300;
+
+/// What the view is made of, once it was evaluated.
+struct Found {
+    value: Value,
+    against: Option<Value>,
+    drape: Option<Value>,
+    tint: Option<Value>,
+    effective_cell: Option<f64>,
+}
+
+impl Shared {
+    /// Makes what the view shows.
+    pub(super) fn view(
+        &self,
+        engine: &Engine,
+        order: &Order,
+        scene: &Scenery,
+        cancel: &Cancel,
+    ) -> Result<(), Stopped> {
+        let made = Made { state: order.state, scene: *scene };
+        if lock(&self.board).stands(&made, order.light) {
+            return Ok(());
+        }
+        let graph = &order.graph;
+        let Some(grid) = preview(graph.terrain(), scene.size) else { return Ok(()) };
+        let threads = engine.pool().current_num_threads() as f64;
+        let plan = engine.plan(graph, &wants(scene, grid));
+        let over = engine.admit(&plan).err().map(|e| (e.to_string(), plan.peak_bytes()));
+        let long = plan.seconds() > self.patience && !order.whatever_it_takes;
+        if over.is_some() || long {
+            let seconds = plan.seconds();
+            self.tell(|board| board.hold(over, seconds));
+            return Err(Stopped);
+        }
+        let show = |graph: &Graph, grid, draft| self.show(engine, order, scene, graph, grid, draft, cancel);
+        if plan.seconds() / threads <= DRAFT_ABOVE {
+            let found = self.soon(|| show(graph, grid, false))?;
+            return self.lit(order, found, cancel);
+        }
+        if let Some((draft, grid)) = self.draft(engine, order, scene) {
+            self.soon(|| {
+                let found = show(&draft, grid, true)?;
+                let small = grid.cols.max(grid.rows) <= LIT_DRAFT;
+                if small { self.lit(order, found, cancel) } else { Ok(()) }
+            })?;
+        }
+        let found = show(graph, grid, false)?;
+        self.lit(order, found, cancel)
+    }
+
+    /// The finest stand-in that is quick enough.
+    fn draft(&self, engine: &Engine, order: &Order, scene: &Scenery) -> Option<(Graph, Grid)> {
+        let threads = engine.pool().current_num_threads() as f64;
+        let all = COARSER.iter().filter_map(|c| draft_of(&order.graph, scene.size, *c));
+        let mut coarsest = None;
+        for (graph, grid) in all {
+            let quick = engine.plan(&graph, &wants(scene, grid)).seconds() / threads <= DRAFT;
+            coarsest = Some((graph, grid));
+            if quick {
+                break;
+            }
+        }
+        coarsest
+    }
+
+    /// Evaluates and shows; what could not be evaluated is told and gives nothing.
+    #[allow(clippy::too_many_arguments, reason = "one caller; a struct would only rename them")]
+    fn show(
+        &self,
+        engine: &Engine,
+        order: &Order,
+        scene: &Scenery,
+        graph: &Graph,
+        grid: Grid,
+        draft: bool,
+        cancel: &Cancel,
+    ) -> Result<Option<Found>, Stopped> {
+        let Some(found) = self.evaluate(engine, order, graph, &wants(scene, grid), scene, cancel)? else {
+            return Ok(None);
+        };
+        let (terrain, bounds) = (graph.terrain(), graph.terrain().bounds());
+        let range = value_range(&found.value);
+        let shown = |value: &Value, range| {
+            let drape = found.drape.as_ref();
+            let picture = shade::picture(value, &scene.look, range, drape, terrain, cancel);
+            let picture = shade::tinted(picture.map_err(|_| Stopped)?, found.tint.as_ref());
+            let (picture, effective_cell) = (Arc::new(picture), found.effective_cell);
+            Ok(Shown { value: value.clone(), picture, draft, effective_cell, bounds })
+        };
+        let main = shown(&found.value, None)?;
+        // Two things that are compared have their colours from one range.
+        let against = found.against.as_ref().map(|v| shown(v, range)).transpose()?;
+        let made = (!draft).then_some(Made { state: order.state, scene: *scene });
+        self.tell(|board| board.show(main, against, made));
+        Ok(Some(found))
+    }
+
+    fn evaluate(
+        &self,
+        engine: &Engine,
+        order: &Order,
+        graph: &Graph,
+        wants: &[Want],
+        scene: &Scenery,
+        cancel: &Cancel,
+    ) -> Result<Option<Found>, Stopped> {
+        let tell = |node, state| self.tell(|board| board.node(node, state));
+        let watch = Watcher::new(graph, &tell);
+        let evaluation = match engine.evaluate(graph, wants, &watch, cancel) {
+            Ok(evaluation) => evaluation,
+            Err(EngineError::Cancelled) => return Err(Stopped),
+            Err(other) => {
+                self.tell(|board| board.view_fails(order.state, other.to_string()));
+                return Ok(None);
+            }
+        };
+        let effective_cell = evaluation.effective_cells.first().copied().flatten();
+        let mut values = Vec::new();
+        for value in evaluation.values {
+            match value {
+                Ok(value) => values.push(Some(value)),
+                Err(failure) => {
+                    let at = failure.node().and_then(|name| graph.find(name));
+                    self.tell(|board| {
+                        if let Some(node) = at {
+                            board.node(node, NodeState::Failed(failure.to_string()));
+                        }
+                        board.view_fails(order.state, failure.to_string());
+                    });
+                    values.push(None);
+                }
+            }
+        }
+        let mut values = values.into_iter();
+        let Some(value) = values.next().flatten() else { return Ok(None) };
+        let mut next = |wanted: Option<Source>| wanted.and_then(|_| values.next().flatten());
+        let [against, drape, tint] = [scene.against, scene.drape, scene.tint].map(&mut next);
+        Ok(Some(Found { value, against, drape, tint, effective_cell }))
+    }
+
+    /// Makes the pictures under sun and sky of what is shown.
+    fn lit(&self, order: &Order, found: Option<Found>, cancel: &Cancel) -> Result<(), Stopped> {
+        let (Some(light), Some(found)) = (order.light, found) else { return Ok(()) };
+        let under = |value: &Value| {
+            let picture = under(value, found.drape.as_ref(), light, cancel)?;
+            Ok(picture.map(|p| shade::tinted(p, found.tint.as_ref())))
+        };
+        let Some(picture) = under(&found.value)? else { return Ok(()) };
+        let against = found.against.as_ref().map(under).transpose()?.flatten();
+        self.tell(|board| board.light(light, picture, against));
+        Ok(())
+    }
+
+    /// Makes the part that is looked at closely.
+    pub(super) fn detail(
+        &self,
+        engine: &Engine,
+        order: &Order,
+        scene: &Scenery,
+        cancel: &Cancel,
+    ) -> Result<(), Stopped> {
+        let Some(grid) = order.detail else { return Ok(()) };
+        let whole = lock(&self.board).shown.as_ref().and_then(|s| value_range(&s.value));
+        let Some(range) = whole else { return Ok(()) };
+        let alone = Scenery { against: None, ..*scene };
+        let wants = wants(&alone, grid);
+        let plan = engine.plan(&order.graph, &wants);
+        if engine.admit(&plan).is_err() || plan.seconds() > self.patience {
+            return Ok(());
+        }
+        let tell = |node, state| self.tell(|board| board.node(node, state));
+        let watch = Watcher::new(&order.graph, &tell);
+        let evaluation = match engine.evaluate(&order.graph, &wants, &watch, cancel) {
+            Ok(evaluation) => evaluation,
+            Err(_) if cancel.is_cancelled() => return Err(Stopped),
+            // The whole view stays.
+            Err(_) => return Ok(()),
+        };
+        let effective_cell = evaluation.effective_cells.first().copied().flatten();
+        let mut values = evaluation.values.into_iter().map(Result::ok);
+        let Some(value) = values.next().flatten() else { return Ok(()) };
+        let [drape, tint] = [scene.drape, scene.tint].map(|s| s.and_then(|_| values.next().flatten()));
+        let terrain = order.graph.terrain();
+        let picture = shade::picture(&value, &scene.look, Some(range), drape.as_ref(), terrain, cancel);
+        let picture = shade::tinted(picture.map_err(|_| Stopped)?, tint.as_ref());
+        let (picture, bounds) = (Arc::new(picture), terrain.bounds());
+        let shown = Shown { value, picture, draft: false, effective_cell, bounds };
+        self.tell(|board| board.refine(shown));
+        Ok(())
+    }
+}
+
+/// What a view needs: what it shows, what that is compared with, what colours it, what is painted over it.
+fn wants(scene: &Scenery, grid: Grid) -> Vec<Want> {
+    let all = [Some(scene.target), scene.against, scene.drape, scene.tint];
+    all.into_iter().flatten().map(|s| Want { node: s.node, port: s.port, grid }).collect()
+}
+
+/// The picture of heights under a light; none of what is no height.
+fn under(
+    value: &Value,
+    drape: Option<&Value>,
+    light: Light,
+    cancel: &Cancel,
+) -> Result<Option<Picture>, Stopped> {
+    let Some(height) = field_to_light(value) else { return Ok(None) };
+    let colors = drape.and_then(|d| shade::colors(d, height.grid(), cancel));
+    let color: Option<&Colors> = colors.as_ref();
+    // The water is drawn by the view itself.
+    let scene = Scene { color, sun: light.sun(), ..Scene::new(height) };
+    match map(&scene, None, &Watch::quiet(cancel)) {
+        Ok(picture) => Ok(Some(picture)),
+        Err(_) if cancel.is_cancelled() => Err(Stopped),
+        // The quick picture stays.
+        Err(_) => Ok(None),
+    }
+}
+
+/// The heights of a value that can be lit.
+fn field_to_light(value: &Value) -> Option<&Field> {
+    match value {
+        Value::Field(f) if f.quantity() == Quantity::Elevation && f.grid().cols > 1 && f.grid().rows > 1 => {
+            Some(f)
+        }
+        _ => None,
+    }
+}
+
+pub(super) fn value_range(value: &Value) -> Option<(f32, f32)> {
+    match value {
+        Value::Field(field) => field.range(),
+        _ => None,
+    }
+}
