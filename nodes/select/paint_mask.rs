@@ -67,14 +67,15 @@ impl Node for PaintMask {
     fn run(&self, cx: &Context<'_>, Inputs { below }: Inputs) -> Result<Outputs> {
         let below = below.map(|b| b.crop(&cx.grid));
         let xs = cx.grid.xs();
+        let strokes: Vec<_> = self.strokes.iter().filter_map(|s| Some((s.bounds()?, s))).collect();
         let mask = cx.fill(Quantity::Mask, |row, out: &mut [f32]| {
             let mut values = match &below {
                 Some(below) => below.row(row.j).iter().map(|v| f64::from(v.clamp(0.0, 1.0))).collect(),
                 None => vec![self.ground.0; xs.len()],
             };
             let mut near = Vec::new();
-            for stroke in &self.strokes {
-                stroke.paint(&xs, row.y, &mut values, &mut near);
+            for (bounds, stroke) in &strokes {
+                stroke.paint(bounds, &xs, row.y, &mut values, &mut near);
             }
             out.iter_mut().zip(&values).for_each(|(o, v)| *o = v.clamp(0.0, 1.0) as f32);
         });

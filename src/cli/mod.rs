@@ -67,6 +67,15 @@ enum Command {
     },
 }
 
+impl Command {
+    fn is_editor(&self) -> bool {
+        #[cfg(feature = "editor")]
+        return matches!(self, Self::Edit { .. });
+        #[cfg(not(feature = "editor"))]
+        false
+    }
+}
+
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse_from(words(std::env::args_os().collect())) {
@@ -79,15 +88,10 @@ pub fn main() -> ExitCode {
         }
     };
     let cancel = Cancel::default();
-    let on_signal = cancel.clone();
-    let second = std::sync::atomic::AtomicBool::new(false);
-    // Without a handler the process just ends at Ctrl+C, which loses nothing: files are whole or not there.
-    let _ = ctrlc::set_handler(move || {
-        on_signal.cancel();
-        if second.swap(true, std::sync::atomic::Ordering::SeqCst) {
-            std::process::exit(Exit::Cancelled.code());
-        }
-    });
+    // The editor just ends at a signal: what is unsaved is kept for its next start.
+    if !cli.command.is_editor() {
+        stop_at_signals(cancel.clone());
+    }
     match run(cli, &cancel) {
         Ok(exit) => exit.into(),
         Err(stop) => {
@@ -95,6 +99,18 @@ pub fn main() -> ExitCode {
             stop.exit.into()
         }
     }
+}
+
+/// Asks the work to stop at the first signal and ends the process at the second.
+fn stop_at_signals(cancel: Cancel) {
+    let second = std::sync::atomic::AtomicBool::new(false);
+    // Without a handler the process just ends at Ctrl+C, which loses nothing: files are whole or not there.
+    let _ = ctrlc::set_handler(move || {
+        cancel.cancel();
+        if second.swap(true, std::sync::atomic::Ordering::SeqCst) {
+            std::process::exit(Exit::Cancelled.code());
+        }
+    });
 }
 
 /// The words of the command line; a graph alone, or nothing where there is a screen, means the editor.

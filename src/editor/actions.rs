@@ -41,7 +41,7 @@ impl Editor {
             Command::Redo => _ = self.document.redo(),
             Command::Cut => {
                 self.copy(ctx);
-                self.remove(false);
+                self.remove_nodes(false);
             }
             Command::Copy => self.copy(ctx),
             Command::Paste => ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
@@ -175,11 +175,15 @@ impl Editor {
         self.canvas.chosen = Chosen { nodes: graph.nodes().collect(), notes };
     }
 
+    /// Removes what is chosen on the terrain, or on the canvas.
     fn remove(&mut self, bridge: bool) {
         let (drawing, mut pad) = self.pad();
-        if drawing.delete(&mut pad) {
-            return;
+        if !drawing.delete(&mut pad) {
+            self.remove_nodes(bridge);
         }
+    }
+
+    fn remove_nodes(&mut self, bridge: bool) {
         let Chosen { nodes, notes } = std::mem::take(&mut self.canvas.chosen);
         if nodes.is_empty() && notes.is_empty() {
             return;
@@ -191,8 +195,7 @@ impl Editor {
 
     /// The drawing of the chosen node.
     fn pad(&mut self) -> (&mut Drawing, Pad<'_>) {
-        let chosen = &self.canvas.chosen.nodes;
-        let node = chosen.first().copied().filter(|_| chosen.len() == 1);
+        let node = self.canvas.chosen.lone();
         (&mut self.drawing, Pad { document: &mut self.document, notices: &mut self.notices, node })
     }
 
@@ -204,9 +207,9 @@ impl Editor {
             drawing.begin();
             return;
         }
-        let at = self.canvas.place();
-        let new = self
-            .edit("Draw curves", |g| ops::add_chain(g, at, &["feature_curves", "curve_raster", "diffuse"]));
+        let at = self.free_place();
+        let chain = ["feature_curves", "curve_raster", "diffuse"];
+        let new = self.edit("Draw curves", |g| ops::add_chain(g, at, &chain));
         if let Some([first, .., last]) = new.as_deref() {
             self.hold_view(*last);
             self.canvas.chosen = Chosen::only(*first);
@@ -338,9 +341,7 @@ impl Editor {
                 let beside = self.document.path().and_then(Path::parent).and_then(|f| f.canonicalize().ok());
                 let inside = beside.as_ref().and_then(|f| path.strip_prefix(f).ok());
                 let text = inside.unwrap_or(&path).to_string_lossy().into_owned();
-                self.edit(&format!("Set {name}"), |g| {
-                    ids.iter().try_for_each(|id| g.set(*id, &name, Json::from(text.clone())))
-                });
+                self.edit(&format!("Set {name}"), |g| ops::set(g, &ids, &name, Json::from(text)));
                 if inside.is_none() {
                     self.notices.fail(
                         "This file lies outside the graph's folder. Put it there, or add its folder to \

@@ -220,9 +220,7 @@ impl Editor {
     /// The node that the view shows: the pinned one, else the only chosen one.
     pub(super) fn shown_node(&self) -> Option<NodeId> {
         let graph = self.document.graph();
-        let chosen = &self.canvas.chosen.nodes;
-        let only = chosen.first().filter(|_| chosen.len() == 1).copied();
-        self.pinned.filter(|id| graph.get(*id).is_some()).or(only)
+        self.pinned.filter(|id| graph.get(*id).is_some()).or(self.canvas.chosen.lone())
     }
 
     /// The output that the view shows.
@@ -238,11 +236,10 @@ impl Editor {
     pub(super) fn against(&self) -> Option<Source> {
         let target = self.target().filter(|_| self.wipe.on)?;
         let graph = self.document.graph();
-        let chosen = &self.canvas.chosen.nodes;
-        let other = chosen.first().filter(|id| chosen.len() == 1 && **id != target.node);
-        let of_chosen = other.and_then(|id| {
-            let port = graph.get(*id)?.kind()?.outputs.iter().find(|p| p.wire == WireType::Field)?;
-            Some(Source { node: *id, port: port.name })
+        let other = self.canvas.chosen.lone().filter(|id| *id != target.node);
+        let of_chosen = other.and_then(|node| {
+            let port = graph.get(node)?.kind()?.outputs.iter().find(|p| p.wire == WireType::Field)?;
+            Some(Source { node, port: port.name })
         });
         let before = || {
             let input = graph.get(target.node)?.kind()?.bridge(target.port)?;
@@ -373,8 +370,7 @@ impl Editor {
                 });
             }
             self.map_pixels = ui.available_size() * ui.pixels_per_point();
-            let chosen = &self.canvas.chosen.nodes;
-            let node = chosen.first().copied().filter(|_| chosen.len() == 1);
+            let node = self.canvas.chosen.lone();
             let mut pad = Pad { document: &mut self.document, notices: &mut self.notices, node };
             let (wipe, drawing) = (&mut self.wipe, &mut self.drawing);
             match self.view {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::evaluator::Order;
 use super::shade::{Light, Look};
@@ -77,6 +78,8 @@ pub(crate) struct Measured {
 /// What the view shows.
 #[derive(Clone, Debug)]
 pub(crate) struct Shown {
+    /// Another for each in this process: tells whether a view or a device has it already.
+    pub(crate) id: u64,
     pub(crate) value: Value,
     pub(crate) picture: Arc<Picture>,
     /// Whether it is a coarser stand-in for what is being made.
@@ -84,6 +87,14 @@ pub(crate) struct Shown {
     pub(crate) effective_cell: Option<f64>,
     /// The extent of the whole terrain.
     pub(crate) bounds: Bounds,
+}
+
+impl Shown {
+    /// A number for something new.
+    pub(crate) fn next_id() -> u64 {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        NEXT.fetch_add(1, Ordering::Relaxed)
+    }
 }
 
 /// An evaluation that was not started.
@@ -98,8 +109,9 @@ pub(crate) struct Held {
 /// Pictures under sun and sky, with cast shadows.
 #[derive(Clone, Debug)]
 pub(crate) struct Lit {
-    /// The showing that they are of.
+    /// The showing that they are of, and what it was made of.
     pub(crate) showing: u64,
+    scene: Option<Scenery>,
     /// Another for each picture.
     pub(crate) number: u64,
     pub(crate) light: Light,
@@ -118,14 +130,16 @@ pub(crate) struct Board {
     pub(crate) against: Option<Shown>,
     /// A part of it, finer.
     pub(crate) detail: Option<Shown>,
+    /// What it is made of.
+    scene: Option<Scenery>,
     /// What the exact whole view was made for.
     pub(crate) made: Option<Made>,
     /// Counts up with each thing that is shown.
     pub(crate) showings: u64,
-    /// Counts up with each finer part.
-    pub(crate) details: u64,
     /// The picture of a showing under a light, and of what it is compared with.
     pub(crate) lit: Option<Lit>,
+    /// The showing that cannot be lit, and the light that was asked for.
+    dark: Option<(u64, Light)>,
     pub(crate) estimate: Option<Estimate>,
     pub(crate) failure: Option<(u64, String)>,
     pub(crate) held: Option<Held>,
@@ -163,12 +177,12 @@ impl Board {
         self.held = Some(Held { over, seconds });
     }
 
-    /// Shows a whole view; `made` says what for, when it is exact.
-    pub(crate) fn show(&mut self, shown: Shown, against: Option<Shown>, made: Option<Made>) {
+    /// Shows a whole view of a scene; `made` says what for, when it is exact.
+    pub(crate) fn show(&mut self, scene: Scenery, shown: Shown, against: Option<Shown>, made: Option<Made>) {
         self.news += 1;
         self.showings += 1;
         self.failure = None;
-        (self.shown, self.against) = (Some(shown), against);
+        (self.shown, self.against, self.scene) = (Some(shown), against, Some(scene));
         self.made = made;
         self.detail = None;
     }
@@ -176,7 +190,6 @@ impl Board {
     /// Shows a finer part of what is shown.
     pub(crate) fn refine(&mut self, detail: Shown) {
         self.news += 1;
-        self.details += 1;
         self.detail = Some(detail);
     }
 
@@ -185,12 +198,24 @@ impl Board {
         self.news += 1;
         let against = against.map(Arc::new);
         let (showing, number, picture) = (self.showings, self.news, Arc::new(picture));
-        self.lit = Some(Lit { showing, number, light, picture, against });
+        self.lit = Some(Lit { showing, scene: self.scene, number, light, picture, against });
+    }
+
+    /// Nothing of what is shown can be lit.
+    pub(crate) fn stay_dark(&mut self, light: Light) {
+        self.news += 1;
+        self.dark = Some((self.showings, light));
     }
 
     /// The lit pictures of what is shown now.
     pub(crate) fn lit_now(&self) -> Option<&Lit> {
         self.lit.as_ref().filter(|lit| lit.showing == self.showings)
+    }
+
+    /// The lit pictures to show: those of what is shown now, else those of the same scene a moment ago, so that the
+    /// light does not go out while a hand moves.
+    pub(crate) fn lit_lately(&self) -> Option<&Lit> {
+        self.lit_now().or(self.lit.as_ref().filter(|lit| self.busy && lit.scene == self.scene))
     }
 
     pub(crate) fn measure(&mut self, estimate: Estimate) {
@@ -215,8 +240,15 @@ impl Board {
 
     /// Whether what is shown is what would be made, under the light where one is wanted.
     pub(crate) fn stands(&self, made: &Made, light: Option<Light>) -> bool {
-        let is_lit = light.is_none_or(|light| self.lit_now().is_some_and(|lit| lit.light == light));
-        self.failure.is_none() && self.made.as_ref() == Some(made) && is_lit
+        let is_lit = light.is_none_or(|light| {
+            self.dark == Some((self.showings, light)) || self.lit_now().is_some_and(|lit| lit.light == light)
+        });
+        self.is_made(made) && is_lit
+    }
+
+    /// Whether what is shown is what would be made, whatever the light.
+    pub(crate) fn is_made(&self, made: &Made) -> bool {
+        self.failure.is_none() && self.made.as_ref() == Some(made)
     }
 
     /// Whether a node has no picture of its present result.

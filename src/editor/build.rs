@@ -145,6 +145,9 @@ impl Editor {
 
     /// What the build would take, as `orograph plan` says it.
     fn build_estimate(&self, ui: &mut Ui) {
+        if self.graph().terrain().grid(self.build.size).is_err() {
+            return;
+        }
         let wanted = self.build.measured(self.document.state());
         let estimate = self.evaluator.as_ref().and_then(|e| e.board().estimate.clone());
         let Some(estimate) = estimate.filter(|e| e.of == wanted) else {

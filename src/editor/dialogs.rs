@@ -1,6 +1,6 @@
 //! What is asked before something is lost, and what helps to find things.
 
-use eframe::egui::{self, Context, Key, RichText, Ui};
+use eframe::egui::{self, Context, Key, Ui};
 
 use super::actions::After;
 use super::app::{Editor, FileFor};
@@ -10,21 +10,6 @@ use super::fuzzy;
 use super::inspector::named_text;
 use super::recovery::Orphan;
 use crate::graph::{Graph, NodeId};
-
-/// Presets that the first-run page offers: what comes with the program.
-const PRESETS: [(&str, &str, &[u8]); 3] = [
-    (
-        "First light",
-        "Noise, terraces and colours: a whole graph to look around in",
-        include_bytes!("../../graphs/first_light.graph"),
-    ),
-    ("Mountain", "A massif drawn with 59 feature curves", include_bytes!("../../graphs/mountain.graph")),
-    (
-        "Volcanic island",
-        "Curves, diffusion and noise around a crater",
-        include_bytes!("../../graphs/volcanic_island.graph"),
-    ),
-];
 
 /// What is open over the window.
 pub(super) enum Dialog {
@@ -88,43 +73,6 @@ impl Editor {
         if let (Some(dialog), Dialog::None) = (stays, &self.dialog) {
             self.dialog = dialog;
         }
-    }
-
-    fn welcome(&mut self, ctx: &Context) -> Option<Dialog> {
-        let mut stays = true;
-        let modal = modal(ctx, "welcome", 460.0, |ui| {
-            ui.heading("Orograph");
-            ui.label("Terrain from a graph of nodes: the same at any size, in metres, to the bit.");
-            ui.add_space(8.0);
-            ui.strong("Begin with");
-            for (name, about, bytes) in PRESETS {
-                if ui.add(egui::Button::new(RichText::new(name).strong())).on_hover_text(about).clicked() {
-                    if let Ok(graph) = Graph::from_bytes(bytes, &self.registry) {
-                        self.adopt(ctx, Document::adopted(graph, None, "Preset"));
-                    }
-                    stays = false;
-                }
-                ui.weak(about);
-            }
-            ui.add_space(8.0);
-            ui.horizontal(|ui| {
-                if ui.button("Empty graph").clicked() {
-                    stays = false;
-                }
-                if ui.button("Open…").clicked() {
-                    self.ask(ctx, FileFor::Open);
-                    stays = false;
-                }
-            });
-            ui.add_space(6.0);
-            ui.weak("Tab adds a node, F1 shows all keys.");
-        });
-        if stays && !modal {
-            return Some(Dialog::Welcome);
-        }
-        self.settings.welcomed = true;
-        self.write_settings();
-        None
     }
 
     fn recover(&mut self, ctx: &Context, mut orphans: Vec<Orphan>) -> Option<Dialog> {

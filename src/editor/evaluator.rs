@@ -8,12 +8,13 @@ mod view;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use super::board::{Board, Measured, Scenery};
+use super::board::{Board, Made, Measured, Scenery};
 use super::shade::Light;
 use crate::context::Cancel;
 use crate::engine::{Engine, EngineError, Files, Options};
 use crate::graph::{Graph, NodeId};
 use crate::value::Grid;
+use view::Found;
 
 /// What the window would like to see.
 #[derive(Clone, Debug)]
@@ -46,6 +47,8 @@ struct Shared {
     desk: Mutex<Desk>,
     wake: Condvar,
     board: Mutex<Board>,
+    /// What the exact view was made of, to light it anew.
+    found: Mutex<Option<(Made, Found)>>,
     /// Called when the board has news.
     repaint: Box<dyn Fn() + Send + Sync>,
     /// Estimated seconds of an evaluation that is not started without asking.
@@ -91,6 +94,7 @@ impl Evaluator {
             desk: Mutex::default(),
             wake: Condvar::new(),
             board: Mutex::default(),
+            found: Mutex::default(),
             repaint: Box::new(repaint),
             patience,
         });
@@ -175,11 +179,11 @@ impl Shared {
     }
 
     fn work(&self, engine: &Engine, order: &Order, cancel: &Cancel) -> Result<(), Stopped> {
+        self.estimate(engine, order);
         if let Some(scene) = &order.scene {
             self.view(engine, order, scene, cancel)?;
             self.detail(engine, order, scene, cancel)?;
         }
-        self.estimate(engine, order)?;
         self.thumbnails(engine, order, cancel)
     }
 

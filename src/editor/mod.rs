@@ -35,6 +35,7 @@ mod view_bar;
 mod views;
 mod watch;
 mod watcher;
+mod welcome;
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -113,7 +113,7 @@ impl Editor {
         egui::Panel::bottom("status").show(ui, |ui| {
             ui.horizontal(|ui| {
                 let nodes = self.graph().nodes().len();
-                ui.weak(format!("{nodes} nodes"));
+                ui.weak(format!("{nodes} node{}", if nodes == 1 { "" } else { "s" }));
                 self.problems(ui);
                 self.work(ui);
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -127,15 +127,17 @@ impl Editor {
 
     fn problems(&mut self, ui: &mut Ui) {
         let problems = self.document.problems();
-        let errors = problems.iter().filter(|p| p.is_error()).count();
-        let warnings = problems.len() - errors;
+        let worst = problems.iter().filter(|p| p.is_error()).count();
+        let (errors, warnings) = (worst, problems.len() - worst);
         if problems.is_empty() {
             return;
         }
-        let text = match (errors, warnings) {
-            (0, w) => RichText::new(format!("{w} warnings")).color(theme::WARNING),
-            (e, 0) => RichText::new(format!("{e} errors")).color(theme::ERROR),
-            (e, w) => RichText::new(format!("{e} errors, {w} warnings")).color(theme::ERROR),
+        let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+        let (errors, warnings) = (count(errors, "error"), count(warnings, "warning"));
+        let text = match worst {
+            0 => RichText::new(warnings).color(theme::WARNING),
+            e if e == problems.len() => RichText::new(errors).color(theme::ERROR),
+            _ => RichText::new(format!("{errors}, {warnings}")).color(theme::ERROR),
         };
         let mut go = None;
         ui.menu_button(text, |ui| {

@@ -38,6 +38,7 @@ impl Editor {
     pub(super) fn adopt(&mut self, ctx: &Context, document: Document) {
         self.document = document;
         self.canvas.chosen = Default::default();
+        self.drawing.forget();
         self.canvas.show_all();
         self.map.show_all();
         self.relief.reset();
@@ -110,6 +111,7 @@ impl Editor {
             Ok(()) => {
                 // The nodes of the new graph are others, whatever their names.
                 self.canvas.chosen = Default::default();
+                self.drawing.forget();
                 self.choose_result();
                 self.notices.say("The file was changed by another program and has been read again");
             }

@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use crate::context::Cancel;
+use crate::kit::math::decade;
 use crate::kit::ramp::{Blend, Palette, Ramp};
 use crate::node::Result;
 use crate::render::{Picture, Sun, thumbnail};
@@ -211,7 +212,7 @@ pub(crate) fn contour_step(low: f32, high: f32) -> f32 {
     if !(wanted > 0.0 && wanted.is_finite()) {
         return 1.0;
     }
-    let power = libm::pow(10.0, libm::floor(libm::log10(wanted)));
+    let power = decade(wanted);
     let step = [1.0, 2.0, 5.0].into_iter().find(|m| m * power >= wanted).unwrap_or(10.0);
     (step * power) as f32
 }

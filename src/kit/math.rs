@@ -3,6 +3,11 @@
 /// Radians to degrees.
 pub const DEGREES: f32 = 180.0 / std::f32::consts::PI;
 
+/// The largest power of ten that is not over a positive number.
+pub fn decade(x: f64) -> f64 {
+    libm::pow(10.0, libm::floor(libm::log10(x.max(1e-300))))
+}
+
 /// The angle of a direction in radians, from −π to π, 0 for (0, 0); error below 3e-7.
 ///
 /// Cephes' polynomial for the arc tangent up to π/8 \[moshier1989\], with every other angle folded onto it. Both

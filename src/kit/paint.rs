@@ -9,6 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::units::{Metres, Ratio};
+use crate::value::curves::bezier::{dot, norm, sub, times};
 use crate::value::{Bounds, Grid};
 
 /// One stroke of a brush.
@@ -68,14 +69,13 @@ impl Stroke {
     /// Samples of a grid that it touches, at most.
     pub fn samples(&self, cell: f64) -> f64 {
         let r = self.radius.0;
-        let apart = |w: &[[f64; 2]]| length([w[1][0] - w[0][0], w[1][1] - w[0][1]]);
+        let apart = |w: &[[f64; 2]]| norm(sub(w[1], w[0]));
         let long: f64 = self.points().windows(2).map(apart).sum();
         (2.0 * r * long + std::f64::consts::PI * r * r) / (cell * cell)
     }
 
-    /// Paints over a row of values at the places `xs` and `y`; `near` is scratch memory.
-    pub fn paint(&self, xs: &[f64], y: f64, values: &mut [f64], near: &mut Vec<f64>) {
-        let Some(bounds) = self.bounds() else { return };
+    /// Paints over a row of values at the places `xs` and `y`; `bounds` are the stroke's, `near` is scratch memory.
+    pub fn paint(&self, bounds: &Bounds, xs: &[f64], y: f64, values: &mut [f64], near: &mut Vec<f64>) {
         if y < bounds.min[1] || y > bounds.max[1] {
             return;
         }
@@ -123,10 +123,6 @@ impl Stroke {
     }
 }
 
-fn length(v: [f64; 2]) -> f64 {
-    (v[0] * v[0] + v[1] * v[1]).sqrt()
-}
-
 fn falloff(distance: f64, core: f64, radius: f64) -> f64 {
     if distance >= radius {
         return 0.0;
@@ -162,10 +158,10 @@ pub fn thinned(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
 }
 
 fn from_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (along, d) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-    let square = along[0] * along[0] + along[1] * along[1];
-    let t = if square > 0.0 { ((d[0] * along[0] + d[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
-    length([d[0] - along[0] * t, d[1] - along[1] * t])
+    let (along, d) = (sub(b, a), sub(p, a));
+    let square = dot(along, along);
+    let t = if square > 0.0 { (dot(d, along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    norm(sub(d, times(along, t)))
 }
 
 #[cfg(test)]
@@ -178,7 +174,11 @@ mod tests {
 
     fn at(strokes: &[Stroke], x: f64, y: f64) -> f64 {
         let mut value = [0.0];
-        strokes.iter().for_each(|s| s.paint(&[x], y, &mut value, &mut Vec::new()));
+        for stroke in strokes {
+            if let Some(bounds) = stroke.bounds() {
+                stroke.paint(&bounds, &[x], y, &mut value, &mut Vec::new());
+            }
+        }
         value[0]
     }
 

@@ -346,8 +346,13 @@ fn a_killed_build_leaves_whole_files_and_no_lying_report() {
         "picture": { "from": "hills.field", "format": "png16", "range": [-900, 900] },
         "plain": { "from": "hills.field", "format": "tiff" },
     });
+    // Spread over the time that a whole build takes here.
+    let whole = Desk::new(&outputs);
+    let start = std::time::Instant::now();
+    assert_eq!(code(&whole.build(&["--size", "513"])), 0);
+    let step = start.elapsed() / 20;
     let mut cut_short = 0;
-    for i in 0..24u64 {
+    for i in 0..24u32 {
         let desk = Desk::new(&outputs);
         assert_eq!(code(&desk.build(&["--size", "33"])), 0, "an old report stands there");
         let (graph, out) = (text(&desk.path("a.graph")), text(&desk.path("out")));
@@ -356,7 +361,7 @@ fn a_killed_build_leaves_whole_files_and_no_lying_report() {
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        std::thread::sleep(Duration::from_millis(i * 23));
+        std::thread::sleep(step * i);
         // SIGKILL: no handler runs.
         let _ = child.kill();
         let ended = child.wait().unwrap();

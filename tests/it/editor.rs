@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, pos2};
+use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, pos2, vec2};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
@@ -49,6 +49,17 @@ impl Window {
         Self::with(setup, None, 1.0)
     }
 
+    /// As it is when it is started for the first time, with a device to draw with.
+    pub(crate) fn fresh() -> Self {
+        let device = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+        let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
+        let setup = Setup { asker, format: Some(device.target_format), ..Setup::default() };
+        let mut window = Self::start(setup, Some(device), 1.0);
+        window.0.set_size(vec2(960.0, 600.0));
+        window.steps(5);
+        window
+    }
+
     /// With little memory for the engine.
     pub(crate) fn frugal(path: &Path, memory: u64) -> Self {
         let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
@@ -72,7 +83,15 @@ impl Window {
         Self::with(setup, Some(device), 1.0)
     }
 
-    fn with(mut setup: Setup, device: Option<RenderState>, density: f32) -> Self {
+    fn with(setup: Setup, device: Option<RenderState>, density: f32) -> Self {
+        let mut window = Self::start(setup, device, density);
+        if window.0.query_by_label("Empty graph").is_some() {
+            window.click("Empty graph");
+        }
+        window
+    }
+
+    fn start(mut setup: Setup, device: Option<RenderState>, density: f32) -> Self {
         let memory = setup.options.memory.min(2 << 30);
         setup.options = Options { threads: 1, memory, ..Options::default() };
         let mut setup = Some(setup);
@@ -90,9 +109,6 @@ impl Window {
         };
         let mut window = Self(builder.build_ui_state(frame, None));
         window.steps(3);
-        if window.0.query_by_label("Empty graph").is_some() {
-            window.click("Empty graph");
-        }
         window
     }
 

@@ -50,6 +50,11 @@ impl Chosen {
         Self { nodes: BTreeSet::from([id]), notes: BTreeSet::new() }
     }
 
+    /// The chosen node where it is the only one.
+    pub(crate) fn lone(&self) -> Option<NodeId> {
+        self.nodes.first().copied().filter(|_| self.nodes.len() == 1)
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.nodes.is_empty() && self.notes.is_empty()
     }

@@ -1,11 +1,12 @@
 //! The brush: strokes painted onto the terrain.
 
-use eframe::egui::{Color32, Key, Modifiers, PointerButton, Pos2, Response, Stroke as Line, Ui};
+use eframe::egui::{Color32, Key, PointerButton, Pos2, Response, Stroke as Line, Ui};
 
 use super::grip::rounded;
 use super::sheet::Sheet;
-use super::{Drawing, Pad, Space, Tool, Trace, ended};
+use super::{Drawing, Pad, Space, Tool, Trace, pressed};
 use crate::graph::{Graph, Source};
+use crate::kit::math::decade;
 use crate::kit::paint::{Stroke, thinned};
 use crate::units::{Metres, Ratio};
 use crate::value::curves::bezier::{norm, sub};
@@ -27,7 +28,7 @@ impl Drawing {
         if self.tool != Tool::Brush {
             return;
         }
-        if ended(ui, &[Key::Escape]) {
+        if pressed(ui, &[Key::Escape]) {
             self.rest();
             return;
         }
@@ -42,7 +43,7 @@ impl Drawing {
             let press = ui.input(|i| i.pointer.press_origin()).or_else(|| ground.interact_pointer_pos());
             let from = press.and_then(|p| space.ground(p));
             let sheet = self.sheet().cloned();
-            self.trace = from.zip(sheet).map(|(p, sheet)| Trace { sheet, points: vec![p] });
+            self.trace = from.zip(sheet).map(|(p, sheet)| Trace { sheet, points: vec![p], written: 0 });
         }
         self.trail_hand(ui, here, pad, step);
         if !ui.input(|i| i.pointer.primary_down()) {
@@ -64,6 +65,10 @@ impl Drawing {
         {
             trace.points.push(p);
         }
+        if trace.written == trace.points.len() {
+            return;
+        }
+        trace.written = trace.points.len();
         let own = self.brush.value.0;
         let value = if erases == (own < 0.5) { own } else { 1.0 - own };
         let path = thinned(&trace.points, LOOSE * radius);
@@ -79,15 +84,14 @@ impl Drawing {
 
     /// `[` and `]` make the brush smaller and larger.
     fn resize(&mut self, ui: &Ui) {
-        let pressed = |key| ui.input_mut(|i| i.consume_key(Modifiers::NONE, key));
-        let factor = match (pressed(Key::OpenBracket), pressed(Key::CloseBracket)) {
+        let factor = match (pressed(ui, &[Key::OpenBracket]), pressed(ui, &[Key::CloseBracket])) {
             (true, _) => 0.8,
             (_, true) => 1.25,
             _ => return,
         };
         let radius = (self.brush.radius.0 * factor).clamp(0.01, 1e6);
         // Two digits are enough for a brush.
-        let unit = libm::pow(10.0, libm::floor(libm::log10(radius)) - 1.0);
+        let unit = 0.1 * decade(radius);
         self.brush.radius = Metres((radius / unit).round() * unit);
     }
 

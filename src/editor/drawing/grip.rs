@@ -1,6 +1,8 @@
 //! What of a curve can be held: control points and handles, constraint points, and at the chosen constraint point its
 //! height, plateau, extents and angles.
 
+use eframe::egui::Pos2;
+
 use super::Space;
 use super::sheet::Sheet;
 use crate::kit::curves::short::{Side, shares};
@@ -10,9 +12,11 @@ use crate::value::curves::{ConstraintPoint, MAX_ANGLE, MAX_EXTENT, MAX_HEIGHT};
 use crate::value::{Curve, CurveSpec};
 
 /// Pixels that the grip of a height stands over its point.
-const STEM: f32 = 30.0;
+const STEM: f32 = 34.0;
+/// Pixels that a constraint point stands over a control point at the same place.
+const LIFT: f32 = 15.0;
 /// Pixels that grips beside a point keep from it and from each other, however narrow what they stand for is.
-const APART: f64 = 16.0;
+const APART: f64 = 12.0;
 /// Where on a slope its angle is held, as a share of its extent, and how far the ground has risen there, as a share of
 /// extent times tangent: steepness fades linearly over the extent.
 const ON_SLOPE: [f64; 2] = [0.5, 0.375];
@@ -125,6 +129,8 @@ impl Held<'_> {
     }
 
     fn constraints(&self, space: &dyn Space, all: &mut Vec<Grip>) {
+        let anchors = all.iter().filter(|g| matches!(g.part, Part::Anchor(_)));
+        let anchors: Vec<Pos2> = anchors.filter_map(|g| space.screen(g.at)).collect();
         for (k, point) in self.curve.points().iter().enumerate() {
             let at = self.curve.point(point.u);
             let z = self.level(at, point.u, space);
@@ -133,7 +139,11 @@ impl Held<'_> {
                 self.sides(k, foot, space, all);
             }
             let value = format!("at {:.3} of the length", point.u);
-            all.push(Grip { value, ..grip(Part::Point(k), foot, format!("constraint point {k}")) });
+            // Over a control point at the same place, as both ends have one, so that either can be held.
+            let covers = |at: Pos2| anchors.iter().any(|a| a.distance(at) < LIFT);
+            let lift = if space.screen(foot).is_some_and(covers) { LIFT } else { 0.0 };
+            let name = format!("constraint point {k}");
+            all.push(Grip { value, lift, ..grip(Part::Point(k), foot, name) });
             if self.curve.tracks().elevation.is_some() {
                 all.push(stem(Part::Height(k), foot, format!("height {k}"), z));
             }
@@ -150,7 +160,7 @@ impl Held<'_> {
         };
         let radius = here.elevation.map_or(0.0, |e| e.radius);
         let apart = APART * space.across(foot);
-        let edge_at = radius.max(apart);
+        let edge_at = radius.max(1.7 * apart);
         for side in [Side::Left, Side::Right] {
             let (name, sign) = named(side);
             let Some((extent, angle)) = here.slope.map(|s| on_side(s, side)) else { continue };
@@ -169,8 +179,11 @@ impl Held<'_> {
             }
         }
         if here.elevation.is_some() {
-            let grip = grip(Part::Plateau(k), beside(edge_at, foot[2]), format!("plateau {k}"));
-            let opposite = beside(-edge_at, foot[2]);
+            // On the side that is lower on the screen: the other has the pin of the height.
+            let sides = [edge_at, -edge_at].map(|across| beside(across, foot[2]));
+            let low = |at: [f64; 3]| space.screen(at).map_or(f32::MIN, |p| p.y);
+            let [at, opposite] = if low(sides[0]) >= low(sides[1]) { sides } else { [sides[1], sides[0]] };
+            let grip = grip(Part::Plateau(k), at, format!("plateau {k}"));
             all.push(Grip { joined: Some(opposite), value: format!("{radius:.0} m"), ..grip });
         }
     }
@@ -216,7 +229,9 @@ impl Held<'_> {
                 }
             }),
             Part::Plateau(k) => {
-                let across = self.across(k, pull);
+                // Outwards, on whichever side it is held.
+                let [from, to] = [pull.from, pull.to].map(|p| self.across(k, p).abs());
+                let across = to - from;
                 self.change(spec, k, |p| {
                     if let Some(e) = &mut p.elevation {
                         e.radius = rounded(e.radius + across, pull.step).clamp(0.0, MAX_EXTENT);
@@ -224,7 +239,7 @@ impl Held<'_> {
                 });
             }
             Part::Extent(k, side) => {
-                let across = self.across(k, pull) * named(side).1;
+                let across = (self.across(k, pull.to) - self.across(k, pull.from)) * named(side).1;
                 self.change(spec, k, |p| {
                     let Some(slope) = &mut p.slope else { return };
                     let extent = match side {
@@ -247,10 +262,10 @@ impl Held<'_> {
         }
     }
 
-    /// How far to the left of a constraint point a part was pulled.
-    fn across(&self, k: usize, pull: &Pull) -> f64 {
+    /// How far to the left of a constraint point a place is.
+    fn across(&self, k: usize, at: Point) -> f64 {
         let u = self.curve.points().get(k).map_or(0.0, |p| p.u);
-        dot(sub(pull.to, pull.from), left_of(self.curve.heading(u)))
+        dot(sub(at, self.curve.point(u)), left_of(self.curve.heading(u)))
     }
 
     /// Changes what holds at a constraint point; a group that was not set there is set to what it was.

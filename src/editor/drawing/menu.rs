@@ -5,7 +5,7 @@ use eframe::egui::{Pos2, Response, Ui};
 use super::curves::under;
 use super::grip::Part;
 use super::sheet::Sheet;
-use super::{Drawing, Pad, Space, Tool};
+use super::{Drawing, Pad, Space};
 use crate::value::Curve;
 use crate::value::curves::edit::Form;
 
@@ -34,9 +34,10 @@ impl Drawing {
     pub(super) fn curve_menu(&mut self, ground: &Response, pad: &mut Pad<'_>) {
         ground.context_menu(|ui| {
             let one = |ui: &mut Ui, text: &str| ui.button(text).clicked();
+            // What is chosen here is what the next key means.
+            self.touched = true;
             if one(ui, "Draw a curve") {
-                self.tool = Tool::Draw;
-                (self.start, self.anchor) = (None, None);
+                self.begin();
                 ui.close();
             }
             let Some(spot) = self.menu else { return };
@@ -95,8 +96,9 @@ impl Drawing {
         match specs.get(number).map(|s| s.split(u)) {
             Some(Ok(halves)) => {
                 specs.splice(number..=number, halves);
-                (self.point, self.anchor) = (None, None);
-                self.write(pad, "Cut curve", None, &sheet);
+                if self.write(pad, "Cut curve", None, &sheet) {
+                    (self.point, self.anchor) = (None, None);
+                }
             }
             Some(Err(fault)) => pad.notices.fail(format!("The curve {fault}")),
             None => (),
@@ -105,11 +107,20 @@ impl Drawing {
 
     /// The menu of a part.
     pub(super) fn grip_menu(&mut self, ui: &mut Ui, pad: &mut Pad<'_>, part: Part) {
-        let removable = matches!(part, Part::Anchor(_) | Part::Point(_) | Part::Height(_));
-        if removable && ui.button(format!("Remove {}", super::curves::kind(part))).clicked() {
+        self.touched = true;
+        let trail = matches!(self.sheet(), Some(Sheet::Trail(_)));
+        let removed = match part {
+            Part::Height(i) if trail => Some(Part::Anchor(i)),
+            Part::Height(k) => Some(Part::Point(k)),
+            Part::Anchor(_) | Part::Point(_) => Some(part),
+            _ => None,
+        };
+        if let Some(part) = removed
+            && ui.button(format!("Remove {}", super::curves::kind(part))).clicked()
+        {
             self.remove_part(pad, part);
         }
-        if ui.button("Delete curve").clicked() {
+        if !trail && ui.button("Delete curve").clicked() {
             self.remove_part(pad, Part::Body);
         }
     }

@@ -6,10 +6,12 @@
 //! is doing.
 
 mod brush;
+mod change;
 mod curves;
 mod grip;
 mod menu;
 mod paint;
+mod pen;
 pub(crate) mod sheet;
 
 pub(crate) use paint::plain as plain_curves;
@@ -20,6 +22,7 @@ use super::document::Document;
 use super::notices::Notices;
 use super::ops;
 use crate::graph::NodeId;
+use crate::kit::math::decade;
 use crate::kit::paint::Stroke;
 use crate::value::Curve;
 use grip::Part;
@@ -76,6 +79,8 @@ pub(crate) struct Drawing {
     /// The chosen control point of it.
     anchor: Option<usize>,
     grab: Option<Grab>,
+    /// The state of the document that the last pull left: another means that others have changed it.
+    wrote: Option<u64>,
     trace: Option<Trace>,
     /// Where a curve begins that has no second point yet.
     start: Option<[f64; 2]>,
@@ -83,6 +88,9 @@ pub(crate) struct Drawing {
     over: bool,
     /// Whether the last press was in the view, so that keys are meant for the drawing.
     touched: bool,
+    /// Whether the key that deletes has done so since the last press, so that a held key does not go on to the curve and
+    /// the node.
+    spent: bool,
     known: Option<Known>,
     /// Where the right button was pressed, for the menu.
     menu: Option<menu::Spot>,
@@ -104,6 +112,8 @@ struct Trace {
     /// The drawing as it was.
     sheet: Sheet,
     points: Vec<[f64; 2]>,
+    /// How many of its points the document has.
+    written: usize,
 }
 
 /// What was made of a state of the document.
@@ -134,7 +144,9 @@ impl Drawing {
         }
         let found = pad.node.and_then(|id| Some((id, Sheet::of(pad.document.graph(), id)?)));
         let Some((node, (param, sheet))) = found else {
-            *self = Self { brush: self.brush.clone(), touched: self.touched, ..Self::default() };
+            let touched = self.touched;
+            self.forget();
+            self.touched = touched;
             return;
         };
         let mut old = self.known.take().filter(|k| k.node == node);
@@ -153,6 +165,8 @@ impl Drawing {
         self.curve = self.curve.filter(|i| *i < curves.len());
         let points = self.curve.and_then(|i| curves[i].as_ref()).map_or(0, |c| c.points().len());
         self.point = self.point.filter(|k| *k < points);
+        let anchors = self.curve.map_or(0, |i| sheet.anchors(i));
+        self.anchor = self.anchor.filter(|k| *k < anchors);
         if matches!(sheet, Sheet::Trail(_)) {
             self.curve = Some(0);
         }
@@ -164,9 +178,9 @@ impl Drawing {
         if ui.input(|i| i.pointer.any_pressed()) {
             let at = ui.input(|i| i.pointer.interact_pos());
             self.touched = at.is_some_and(|p| ground.rect.contains(p)) && ground.contains_pointer();
+            self.spent = false;
         }
         self.look(pad);
-        self.over = false;
         let Some(known) = &self.known else { return };
         let step = step(pad);
         match known.sheet {
@@ -176,26 +190,38 @@ impl Drawing {
     }
 
     /// Puts a new drawing into the document.
-    fn write(&self, pad: &mut Pad<'_>, label: &str, gesture: Option<&str>, sheet: &Sheet) {
-        let Some(Known { node, param, .. }) = &self.known else { return };
+    /// True when it was taken.
+    fn write(&self, pad: &mut Pad<'_>, label: &str, gesture: Option<&str>, sheet: &Sheet) -> bool {
+        let Some(Known { node, param, .. }) = &self.known else { return false };
         let (node, value) = (*node, sheet.json());
         let change = |graph: &mut crate::graph::Graph| ops::set(graph, &[node], param, value);
         let done = match gesture {
             Some(gesture) => pad.document.gesture(label, gesture, change),
             None => pad.document.edit(label, change),
         };
-        if let Err(problem) = done {
-            pad.notices.problem(&problem);
+        match done {
+            Ok(()) => true,
+            Err(problem) => {
+                pad.notices.problem(&problem);
+                false
+            }
         }
     }
 
     /// Removes what is chosen; false when that is nothing, so that the key means something else.
     pub(crate) fn delete(&mut self, pad: &mut Pad<'_>) -> bool {
         self.look(pad);
-        if !self.touched {
-            return false;
+        let known = self.known.is_some() && self.touched;
+        if known && (self.spent || self.grab.is_some()) {
+            return true;
         }
-        self.remove_chosen(pad)
+        self.spent = known && self.remove_chosen(pad);
+        self.spent
+    }
+
+    /// Forgets a document that is no longer on the desk.
+    pub(crate) fn forget(&mut self) {
+        *self = Self { brush: self.brush.clone(), ..Self::default() };
     }
 
     /// Ends what a tool is doing.
@@ -208,13 +234,15 @@ impl Drawing {
 fn step(pad: &Pad<'_>) -> f64 {
     let terrain = pad.document.graph().terrain();
     let long = terrain.width.max(terrain.depth).max(1.0);
-    libm::pow(10.0, libm::floor(libm::log10(long / 20_000.0))).min(1.0)
+    decade(long / 20_000.0).min(1.0)
 }
 
-/// Whether a key that ends a tool was pressed, and is not meant for a dialog over the window.
-fn ended(ui: &Ui, keys: &[Key]) -> bool {
+/// Whether a key for a tool was pressed, and is not meant for a dialog over the window or a field with text.
+fn pressed(ui: &Ui, keys: &[Key]) -> bool {
     let dialog = ui.ctx().memory(|m| m.top_modal_layer().is_some());
-    !dialog && keys.iter().any(|key| ui.input_mut(|i| i.consume_key(Modifiers::NONE, *key)))
+    !dialog
+        && !ui.ctx().egui_wants_keyboard_input()
+        && keys.iter().any(|key| ui.input_mut(|i| i.consume_key(Modifiers::NONE, *key)))
 }
 
 /// Something to hold, of a size that a hand finds.

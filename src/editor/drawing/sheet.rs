@@ -32,7 +32,11 @@ impl Sheet {
         let sheet = match param.widget.as_deref() {
             Some("curves") => Self::Curves(serde_json::from_value(value).ok()?),
             Some("strokes") => Self::Strokes(serde_json::from_value(value).ok()?),
-            _ => Self::Trail(serde_json::from_value(value).ok()?),
+            _ => {
+                let points: Vec<Vec<f64>> = serde_json::from_value(value).ok()?;
+                // A file written by hand may say anything.
+                Self::Trail(points.iter().all(|p| p.len() > 1).then_some(points)?)
+            }
         };
         Some((param.name.clone(), sheet))
     }
@@ -54,6 +58,15 @@ impl Sheet {
         match self {
             Self::Curves(specs) => specs.len(),
             Self::Trail(points) => usize::from(!points.is_empty()),
+            Self::Strokes(_) => 0,
+        }
+    }
+
+    /// Number of control points of a curve.
+    pub(super) fn anchors(&self, i: usize) -> usize {
+        match self {
+            Self::Curves(specs) => specs.get(i).map_or(0, |s| s.anchors().len()),
+            Self::Trail(points) => points.len(),
             Self::Strokes(_) => 0,
         }
     }

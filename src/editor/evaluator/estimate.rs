@@ -1,18 +1,18 @@
 //! What a build would take, for its dialog.
 
-use super::{Order, Shared, Stopped, lock};
+use super::{Order, Shared, lock};
 use crate::editor::board::Estimate;
 use crate::engine::{Engine, Want};
 
 impl Shared {
     /// Estimates the build that the order asks about.
-    pub(super) fn estimate(&self, engine: &Engine, order: &Order) -> Result<(), Stopped> {
-        let Some(build) = &order.build else { return Ok(()) };
+    pub(super) fn estimate(&self, engine: &Engine, order: &Order) {
+        let Some(build) = &order.build else { return };
         if lock(&self.board).estimate.as_ref().is_some_and(|e| e.of == *build) {
-            return Ok(());
+            return;
         }
         let graph = &order.graph;
-        let Ok(grid) = graph.terrain().grid(build.size) else { return Ok(()) };
+        let Ok(grid) = graph.terrain().grid(build.size) else { return };
         let sources = build.outputs.iter().filter_map(|name| graph.output_source(name).ok());
         let wants: Vec<_> = sources.map(|s| Want { node: s.node, port: s.port, grid }).collect();
         let plan = engine.plan(graph, &wants);
@@ -23,6 +23,5 @@ impl Shared {
             over: engine.admit(&plan).err().map(|e| e.to_string()),
         };
         self.tell(|board| board.measure(estimate));
-        Ok(())
     }
 }

@@ -18,16 +18,32 @@ use crate::value::{Colors, Field, Grid, Quantity, Value};
 const DRAFT_ABOVE: f64 = 0.08;
 /// Estimated seconds that a draft may take; the coarsest is taken whatever it takes.
 const DRAFT: f64 = 0.06;
+/// Estimated seconds up to which new orders wait for a draft.
+const SOON: f64 = 0.25;
 /// Samples along the longer side up to which a draft is lit, too: more would take longer than the draft itself.
 const LIT_DRAFT: usize = 300;
 
+/// Samples along the longer side up to which new orders wait for the light.
+const LIT_SOON: usize = 700;
+
 /// What the view is made of, once it was evaluated.
-struct Found {
+#[derive(Clone)]
+pub(super) struct Found {
     value: Value,
     against: Option<Value>,
     drape: Option<Value>,
     tint: Option<Value>,
     effective_cell: Option<f64>,
+    /// Why something beside the value is missing.
+    fault: Option<String>,
+}
+
+/// A stand-in for the exact view.
+struct Draft {
+    graph: Graph,
+    grid: Grid,
+    /// Estimated seconds.
+    seconds: f64,
 }
 
 impl Shared {
@@ -40,8 +56,19 @@ impl Shared {
         cancel: &Cancel,
     ) -> Result<(), Stopped> {
         let made = Made { state: order.state, scene: *scene };
-        if lock(&self.board).stands(&made, order.light) {
+        let (stands, is_made) = {
+            let board = lock(&self.board);
+            (board.stands(&made, order.light), board.is_made(&made))
+        };
+        if stands {
             return Ok(());
+        }
+        let last = lock(&self.found).clone().filter(|(m, _)| is_made && *m == made);
+        if let Some((_, found)) = last {
+            // Only the light is another; where it is soon there, a hand that moves it sees it.
+            let small = found.value.grid().is_some_and(|g| g.cols.max(g.rows) <= LIT_SOON);
+            let light = || self.lit(order, Some(found), cancel);
+            return if small { self.soon(light) } else { light() };
         }
         let graph = &order.graph;
         let Some(grid) = preview(graph.terrain(), scene.size) else { return Ok(()) };
@@ -55,30 +82,32 @@ impl Shared {
             return Err(Stopped);
         }
         let show = |graph: &Graph, grid, draft| self.show(engine, order, scene, graph, grid, draft, cancel);
-        if plan.seconds() / threads <= DRAFT_ABOVE {
-            let found = self.soon(|| show(graph, grid, false))?;
-            return self.lit(order, found, cancel);
-        }
-        if let Some((draft, grid)) = self.draft(engine, order, scene) {
-            self.soon(|| {
-                let found = show(&draft, grid, true)?;
-                let small = grid.cols.max(grid.rows) <= LIT_DRAFT;
-                if small { self.lit(order, found, cancel) } else { Ok(()) }
-            })?;
-        }
-        let found = show(graph, grid, false)?;
+        let found = if plan.seconds() / threads <= DRAFT_ABOVE {
+            self.soon(|| show(graph, grid, false))?
+        } else {
+            if let Some(Draft { graph, grid, seconds }) = self.draft(engine, order, scene) {
+                let draft = || {
+                    let found = show(&graph, grid, true)?;
+                    let small = grid.cols.max(grid.rows) <= LIT_DRAFT;
+                    if small { self.lit(order, found, cancel) } else { Ok(()) }
+                };
+                if seconds <= SOON { self.soon(draft) } else { draft() }?;
+            }
+            show(graph, grid, false)?
+        };
+        *lock(&self.found) = found.clone().map(|found| (made, found));
         self.lit(order, found, cancel)
     }
 
     /// The finest stand-in that is quick enough.
-    fn draft(&self, engine: &Engine, order: &Order, scene: &Scenery) -> Option<(Graph, Grid)> {
+    fn draft(&self, engine: &Engine, order: &Order, scene: &Scenery) -> Option<Draft> {
         let threads = engine.pool().current_num_threads() as f64;
         let all = COARSER.iter().filter_map(|c| draft_of(&order.graph, scene.size, *c));
         let mut coarsest = None;
         for (graph, grid) in all {
-            let quick = engine.plan(&graph, &wants(scene, grid)).seconds() / threads <= DRAFT;
-            coarsest = Some((graph, grid));
-            if quick {
+            let seconds = engine.plan(&graph, &wants(scene, grid)).seconds() / threads;
+            coarsest = Some(Draft { graph, grid, seconds });
+            if seconds <= DRAFT {
                 break;
             }
         }
@@ -101,19 +130,25 @@ impl Shared {
             return Ok(None);
         };
         let (terrain, bounds) = (graph.terrain(), graph.terrain().bounds());
-        let range = value_range(&found.value);
         let shown = |value: &Value, range| {
             let drape = found.drape.as_ref();
             let picture = shade::picture(value, &scene.look, range, drape, terrain, cancel);
             let picture = shade::tinted(picture.map_err(|_| Stopped)?, found.tint.as_ref());
             let (picture, effective_cell) = (Arc::new(picture), found.effective_cell);
-            Ok(Shown { value: value.clone(), picture, draft, effective_cell, bounds })
+            Ok(Shown { id: Shown::next_id(), value: value.clone(), picture, draft, effective_cell, bounds })
         };
         let main = shown(&found.value, None)?;
-        // Two things that are compared have their colours from one range.
-        let against = found.against.as_ref().map(|v| shown(v, range)).transpose()?;
+        // Two of a kind that are compared have their colours from one range.
+        let like = |v: &Value| v.quantity() == found.value.quantity();
+        let range = |v: &Value| value_range(&found.value).filter(|_| like(v));
+        let against = found.against.as_ref().map(|v| shown(v, range(v))).transpose()?;
         let made = (!draft).then_some(Made { state: order.state, scene: *scene });
-        self.tell(|board| board.show(main, against, made));
+        self.tell(|board| {
+            board.show(*scene, main, against, made);
+            if let Some(fault) = &found.fault {
+                board.view_fails(order.state, fault.clone());
+            }
+        });
         Ok(Some(found))
     }
 
@@ -137,7 +172,7 @@ impl Shared {
             }
         };
         let effective_cell = evaluation.effective_cells.first().copied().flatten();
-        let mut values = Vec::new();
+        let (mut values, mut fault) = (Vec::new(), None);
         for value in evaluation.values {
             match value {
                 Ok(value) => values.push(Some(value)),
@@ -149,6 +184,7 @@ impl Shared {
                         }
                         board.view_fails(order.state, failure.to_string());
                     });
+                    fault = Some(failure.to_string());
                     values.push(None);
                 }
             }
@@ -157,7 +193,7 @@ impl Shared {
         let Some(value) = values.next().flatten() else { return Ok(None) };
         let mut next = |wanted: Option<Source>| wanted.and_then(|_| values.next().flatten());
         let [against, drape, tint] = [scene.against, scene.drape, scene.tint].map(&mut next);
-        Ok(Some(Found { value, against, drape, tint, effective_cell }))
+        Ok(Some(Found { value, against, drape, tint, effective_cell, fault }))
     }
 
     /// Makes the pictures under sun and sky of what is shown.
@@ -167,7 +203,10 @@ impl Shared {
             let picture = under(value, found.drape.as_ref(), light, cancel)?;
             Ok(picture.map(|p| shade::tinted(p, found.tint.as_ref())))
         };
-        let Some(picture) = under(&found.value)? else { return Ok(()) };
+        let Some(picture) = under(&found.value)? else {
+            self.tell(|board| board.stay_dark(light));
+            return Ok(());
+        };
         let against = found.against.as_ref().map(under).transpose()?.flatten();
         self.tell(|board| board.light(light, picture, against));
         Ok(())
@@ -206,7 +245,7 @@ impl Shared {
         let picture = shade::picture(&value, &scene.look, Some(range), drape.as_ref(), terrain, cancel);
         let picture = shade::tinted(picture.map_err(|_| Stopped)?, tint.as_ref());
         let (picture, bounds) = (Arc::new(picture), terrain.bounds());
-        let shown = Shown { value, picture, draft: false, effective_cell, bounds };
+        let shown = Shown { id: Shown::next_id(), value, picture, draft: false, effective_cell, bounds };
         self.tell(|board| board.refine(shown));
         Ok(())
     }

@@ -58,7 +58,7 @@ pub(super) fn panel(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId, param: &Para
     };
     ui.separator();
     whole(ui, drawing, &mut pad, spec);
-    match spec.build() {
+    match drawing.chosen_curve().cloned().map_or_else(|| spec.build(), Ok) {
         Ok(curve) => points(ui, drawing, &mut pad, &curve),
         Err(fault) => _ = ui.colored_label(crate::editor::theme::ERROR, format!("The curve {fault}")),
     }

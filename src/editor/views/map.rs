@@ -121,12 +121,11 @@ impl MapView {
             Some(shown) => {
                 self.look_closer(&ui, &view, shown);
                 self.pictures(&ui, &view, board, shown, &bounds, wipe);
-                if !drawing.holds() {
-                    self.profile(&ui, &view, &ground, shown);
-                }
+                self.profile(&ui, &view, &ground, shown, drawing.holds());
             }
         }
-        if board.against.is_some() {
+        let is_raster = shown.is_some_and(|s| s.value.grid().is_some());
+        if board.against.is_some() && is_raster {
             wipe.show(&ui, screen);
         }
         let height = shown.and_then(|s| elevation(&s.value));
@@ -185,22 +184,22 @@ impl MapView {
             (self.texture, self.other) = (None, None);
             return;
         };
-        if self.texture.as_ref().is_none_or(|(n, _)| *n != board.showings) {
+        if self.texture.as_ref().is_none_or(|(n, _)| *n != shown.id) {
             let magnification =
                 if shown.draft { egui::TextureFilter::Linear } else { egui::TextureFilter::Nearest };
             let options = TextureOptions { magnification, ..TextureOptions::LINEAR };
             let load = |name: &str, shown: &Shown| {
-                (board.showings, ui.ctx().load_texture(name, image_of(&shown.picture), options))
+                (shown.id, ui.ctx().load_texture(name, image_of(&shown.picture), options))
             };
             self.texture = Some(load("map view", shown));
             self.other = board.against.as_ref().map(|other| load("map comparison", other));
         }
         match &board.detail {
             None => self.fine = None,
-            Some(detail) if self.fine.as_ref().is_none_or(|(n, _)| *n != board.details) => {
+            Some(detail) if self.fine.as_ref().is_none_or(|(n, _)| *n != detail.id) => {
                 let options = TextureOptions::LINEAR;
                 let texture = ui.ctx().load_texture("map detail", image_of(&detail.picture), options);
-                self.fine = Some((board.details, texture));
+                self.fine = Some((detail.id, texture));
             }
             Some(_) => (),
         }
@@ -246,10 +245,10 @@ impl MapView {
     }
 
     /// Draws the line of the profile: Shift and drag.
-    fn profile(&mut self, ui: &Ui, view: &View, ground: &egui::Response, shown: &Shown) {
+    fn profile(&mut self, ui: &Ui, view: &View, ground: &egui::Response, shown: &Shown, drawing: bool) {
         let metres = |p: Pos2| to_metres(view.world(p), shown);
         let shift = ui.input(|i| i.modifiers.shift);
-        if ground.drag_started_by(PointerButton::Primary) && shift {
+        if ground.drag_started_by(PointerButton::Primary) && shift && !drawing {
             let from = ui.input(|i| i.pointer.press_origin()).map(metres);
             self.profile = from.map(|p| [p, p]);
             self.drawing = true;

@@ -222,7 +222,8 @@ impl CurveSpec {
         Ok(halves)
     }
 
-    /// The curve from its end to its start: left is right, and every place is as it was.
+    /// The curve from its end to its start: left is right; constraint points keep their places to a ten-thousandth of the
+    /// length.
     pub fn reversed(&self) -> Self {
         let mut next = self.clone();
         let list: Vec<Point> = self.list().iter().rev().copied().collect();

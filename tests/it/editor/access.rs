@@ -89,6 +89,9 @@ fn every_sign_in_the_texts_is_in_the_fonts() {
                 folders.push(path);
                 continue;
             }
+            if path.extension().is_none_or(|e| e != "rs") {
+                continue;
+            }
             let text = std::fs::read_to_string(&path).unwrap();
             for sign in text.chars().filter(|c| !c.is_ascii()) {
                 checked += 1;

@@ -80,7 +80,7 @@ fn plateau_extent_and_angle_are_dragged() {
     let (mut window, _folder) = ridge();
     window.press(on_map(&window, 4000.0, 3500.0));
     window.press(window.at("constraint point 0"));
-    let [foot, left, angle] = ["constraint point 0", "extent left 0", "angle left 0"].map(|n| window.at(n));
+    let [foot, left, angle] = ["control point 0", "extent left 0", "angle left 0"].map(|n| window.at(n));
     window.drag(&[left, left + (left - foot) * 0.5]);
     let slope = specs(&window)[0].slope.clone();
     assert!((slope[1] - 1500.0).abs() < 60.0 && slope[2] == 800.0, "{slope:?}");
@@ -90,7 +90,7 @@ fn plateau_extent_and_angle_are_dragged() {
     let risen = specs(&window)[0].slope[3];
     assert!(risen > -30.0 && risen < 0.0, "pulled up: {risen}");
     let plateau = window.at("plateau 0");
-    window.drag(&[plateau, plateau + vec2(0.0, -15.0)]);
+    window.drag(&[plateau, plateau + vec2(0.0, 15.0)]);
     assert!(specs(&window)[0].height[2] > 100.0, "{:?}", specs(&window)[0].height);
 }
 
@@ -118,6 +118,74 @@ fn points_are_added_cut_and_deleted() {
         window.keys(COMMAND, Key::Z);
     }
     assert_eq!(specs(&window).len(), 1);
+}
+
+#[test]
+fn the_key_that_deletes_takes_one_thing_at_a_time() {
+    let (mut window, _folder) = ridge();
+    window.press(on_map(&window, 4000.0, 3500.0));
+    window.press(window.at("control point 1"));
+    // As a key that is held repeats.
+    for _ in 0..5 {
+        window.key(Key::Delete);
+    }
+    assert_eq!(specs(&window)[0].anchors().len(), 2, "the point, and neither the curve nor the node");
+    window.press(window.at("control point 0"));
+    (0..3).for_each(|_| window.key(Key::Delete));
+    assert_eq!(specs(&window)[0].anchors().len(), 2, "two points stay");
+    assert!(window.sees("must keep two control points"));
+    window.keys(COMMAND, Key::X);
+    window.0.event(eframe::egui::Event::Cut);
+    window.steps(3);
+    assert!(window.graph().find("curves").is_none(), "cutting is for nodes");
+    window.keys(COMMAND, Key::Z);
+    window.click("node curves");
+    window.press(on_map(&window, 2000.0, 4000.0) - vec2(0.0, 60.0));
+    window.key(Key::Delete);
+    assert!(
+        window.graph().find("curves").is_none(),
+        "where nothing is chosen on the terrain, it is the node"
+    );
+}
+
+#[test]
+fn a_line_that_is_none_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bad.graph");
+    for through in [json!([[1600]]), json!([[]]), json!([]), json!("no"), json!([[1, 2, 3], [4]])] {
+        let graph = json!({
+            "orograph": 1,
+            "nodes": {
+                "land": { "kind": "constant" },
+                "ridge": { "kind": "ridge_line", "set": { "through": through } }
+            },
+            "outputs": { "height": { "from": "land.field" } }
+        });
+        std::fs::write(&path, graph.to_string()).unwrap();
+        let mut window = Window::on(&path);
+        window.settle();
+        window.click("node ridge");
+        window.key(Key::K);
+        let middle = window.0.get_by_label("map view").rect().center();
+        window.press(middle);
+        window.steps(20);
+        window.press(middle + vec2(40.0, 0.0));
+        window.steps(5);
+    }
+}
+
+#[test]
+fn another_document_has_another_drawing() {
+    let (mut window, _folder) = ridge();
+    window.press(on_map(&window, 4000.0, 3500.0));
+    assert!(window.has("control point 1"));
+    window.keys(COMMAND, Key::N);
+    window.steps(3);
+    assert_eq!(window.graph().nodes().len(), 0);
+    assert!(!window.has("control point 1"));
+    window.add(ground(20.0, 30.0), "feature_curves");
+    window.steps(3);
+    assert!(window.sees("0 curves"));
 }
 
 #[test]

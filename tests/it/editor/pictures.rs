@@ -102,3 +102,12 @@ fn painting_and_colours() {
     window.view("Relief");
     picture(&mut window, "coloured");
 }
+
+#[test]
+fn the_first_page() {
+    let mut window = Window::fresh();
+    compare(&mut window, "welcome");
+    window.click("Mountain");
+    window.settle();
+    assert!(window.graph().find("curves").is_some() && window.editor().shown_range().is_some());
+}

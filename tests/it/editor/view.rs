@@ -35,10 +35,10 @@ fn a_change_is_evaluated_and_a_fault_is_told() {
     assert_eq!(low, high);
     window.add(ground(330.0, 30.0), "blur");
     window.settle();
-    assert!(window.sees("1 errors"), "a blur without an input");
+    assert!(window.sees("1 error"), "a blur without an input");
     window.key(Key::Delete);
     window.settle();
-    assert!(!window.sees("1 errors"));
+    assert!(!window.sees("1 error"));
 }
 
 #[test]

@@ -72,10 +72,11 @@ impl ReliefView {
             Color32::from_rgb(196, 206, 216)
         };
         ui.painter().rect_filled(rect, 0.0, background);
+        drawing.look(pad);
         self.steer(ui, &ground, drawing.holds());
         let shown = board.shown.as_ref();
-        let lit = board.lit_now();
-        let main = shown.and_then(|s| terrain(s, board.showings, lit.map(|l| (&l.picture, l.number))));
+        let lit = board.lit_lately();
+        let main = shown.and_then(|s| terrain(s, lit.map(|l| (&l.picture, l.number))));
         let (Some(main), Some(format)) = (main, self.format) else {
             let text = match (shown, self.format) {
                 (_, None) => "There is no graphics device to draw with.",
@@ -88,9 +89,10 @@ impl ReliefView {
             ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, color);
             return;
         };
-        let against = board.against.as_ref().and_then(|s| {
-            terrain(s, board.showings, lit.and_then(|l| Some((l.against.as_ref()?, l.number))))
-        });
+        let against = board
+            .against
+            .as_ref()
+            .and_then(|s| terrain(s, lit.and_then(|l| Some((l.against.as_ref()?, l.number)))));
         let heights = [Some(&main), against.as_ref()].into_iter().flatten().filter_map(|t| t.height.range());
         let range = heights.fold([f32::MAX, f32::MIN], |[a, b], (low, high)| [a.min(low), b.max(high)]);
         let sight = self.sight(&main.height, range, rect.size(), ui.pixels_per_point());
@@ -196,7 +198,7 @@ impl ReliefView {
 }
 
 /// The terrain of what is shown, under its best picture; none where it is no height.
-fn terrain(shown: &Shown, id: u64, lit: Option<(&Arc<Picture>, u64)>) -> Option<Terrain> {
+fn terrain(shown: &Shown, lit: Option<(&Arc<Picture>, u64)>) -> Option<Terrain> {
     let Value::Field(height) = &shown.value else { return None };
     let grid = height.grid();
     let fits = (2..=MOST).contains(&grid.cols) && (2..=MOST).contains(&grid.rows);
@@ -205,5 +207,5 @@ fn terrain(shown: &Shown, id: u64, lit: Option<(&Arc<Picture>, u64)>) -> Option<
     }
     let (picture, picture_id) = lit.unwrap_or((&shown.picture, 0));
     let picture = Arc::clone(picture);
-    Some(Terrain { id, height: height.clone(), picture_id, picture })
+    Some(Terrain { id: shown.id, height: height.clone(), picture_id, picture })
 }

@@ -61,8 +61,10 @@ impl Deep<'_> {
     /// The part of a ray that is over the terrain.
     fn stretch(&self, ray: Vec3) -> Option<[f32; 2]> {
         let b = self.height.grid().bounds();
-        let low = self.inside([b.min[0], b.min[1], self.range[0]]);
-        let high = self.inside([b.max[0], b.max[1], self.range[1]]) + Vec3::new(0.0, 0.0, 1e-3);
+        // Room around the ground, so that a ray is surely below it where it leaves, plains included.
+        let room = Vec3::splat((0.002 * b.width().max(b.depth())) as f32);
+        let low = self.inside([b.min[0], b.min[1], self.range[0]]) - room;
+        let high = self.inside([b.max[0], b.max[1], self.range[1]]) + room;
         let (mut from, mut to) = (0.0f32, f32::INFINITY);
         for axis in 0..3 {
             let (a, b) =
@@ -138,7 +140,7 @@ impl Space for Deep<'_> {
         let Some([from, end]) = to.try_normalize().and_then(|ray| self.stretch(ray)) else { return false };
         // The curve lies on the ground, or a little in it where that is rough: the last steps are not looked at.
         let (length, ray) = (to.length(), to.normalize());
-        let slack = self.height.grid().cell() * 3.0 * self.exaggeration.max(1.0);
+        let slack = self.height.grid().cell() * 3.0;
         let end = end.min(length * 0.985);
         let step = (end - from) / GLANCE as f32;
         (1..GLANCE).any(|k| self.over(self.eye + ray * (from + step * k as f32)) < -slack)
@@ -159,6 +161,21 @@ mod tests {
         Field::from_fn(grid, Quantity::Elevation, |x, y| {
             (300.0 * libm::sin(x / 400.0) * libm::cos(y / 500.0)) as f32
         })
+    }
+
+    #[test]
+    fn a_plain_is_ground() {
+        let field = Field::constant(*hills().grid(), Quantity::Elevation, 7.0);
+        let orbit = Orbit::default();
+        let (to_screen, eye) = (orbit.projection(1.8, 4000.0), orbit.eye() * 4000.0);
+        let screen = Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 500.0));
+        let space = Deep { to_screen, eye, screen, height: &field, exaggeration: 1.0, range: [7.0, 7.0] };
+        for k in 0..40 {
+            let at = [1200.0 + 90.0 * f64::from(k), 1500.0];
+            let pos = space.screen([at[0], at[1], 7.0]).expect("in front of the eye");
+            let ground = space.ground(pos).expect("ground");
+            assert!((ground[0] - at[0]).abs() < 5.0 && (ground[1] - at[1]).abs() < 5.0, "{at:?} {ground:?}");
+        }
     }
 
     #[test]
