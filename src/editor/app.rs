@@ -370,6 +370,9 @@ impl Editor {
                 });
             }
             self.map_pixels = ui.available_size() * ui.pixels_per_point();
+            let graph = self.document.graph();
+            let named = |s: Option<Source>| s.map(|s| graph.source_text(s)).unwrap_or_default();
+            self.wipe.names = [named(self.target()), named(self.against())];
             let node = self.canvas.chosen.lone();
             let mut pad = Pad { document: &mut self.document, notices: &mut self.notices, node };
             let (wipe, drawing) = (&mut self.wipe, &mut self.drawing);

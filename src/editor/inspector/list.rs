@@ -3,6 +3,7 @@
 use eframe::egui::{self, ScrollArea, Ui};
 use serde_json::Value as Json;
 
+use super::number::bare;
 use super::value::{Edited, Field, edit as edit_value, fresh};
 use crate::params::Shape;
 
@@ -17,6 +18,9 @@ pub(super) fn edit(
     value: &mut Json,
 ) -> Edited {
     let Some(items) = value.as_array_mut() else { return Edited::No };
+    if min == max && matches!(item, Shape::Number { .. }) {
+        return fixed(ui, field, item, items);
+    }
     let mut edited = Edited::No;
     let mut removed = None;
     ui.horizontal(|ui| {
@@ -64,4 +68,22 @@ pub(super) fn edit(
         edited = Edited::Done;
     }
     edited
+}
+
+/// Numbers that always come together, side by side.
+fn fixed(ui: &mut Ui, field: &Field<'_>, item: &Shape, items: &mut [Json]) -> Edited {
+    let axes: &[&str] = if field.widget == Some("point") { &["east", "south"] } else { &[] };
+    let row = ui.horizontal(|ui| {
+        items.iter_mut().enumerate().fold(Edited::No, |edited, (i, one)| {
+            let name = match axes.get(i) {
+                Some(axis) => {
+                    ui.weak(*axis);
+                    format!("{} {axis}", field.name)
+                }
+                None => format!("{} {i}", field.name),
+            };
+            edited.or(bare(ui, &Field { name: &name, ..field.part(item) }, one))
+        })
+    });
+    row.inner
 }

@@ -66,7 +66,9 @@ impl<'a> Field<'a> {
 
     fn is_tall(&self) -> bool {
         match self.shape {
-            Shape::List { .. } | Shape::Record(_) => true,
+            // Some numbers that always come together fit beside their name.
+            Shape::List { item, min, max } => min != max || !matches!(**item, Shape::Number { .. }),
+            Shape::Record(_) => true,
             Shape::Choice(modes) => modes.iter().any(|m| !m.fields.is_empty()),
             Shape::Optional(inner) => self.part(inner).is_tall(),
             _ => false,

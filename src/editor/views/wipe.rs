@@ -1,18 +1,22 @@
 //! A line between two terrains that are compared, to be dragged across.
 
-use eframe::egui::{self, Color32, CursorIcon, Id, Pos2, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
+use eframe::egui::{
+    self, Align2, Color32, CursorIcon, FontId, Id, Pos2, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2,
+};
 
 /// Where the line is: a share of the width of the view.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Wipe {
     share: f32,
     /// Whether something is compared.
     pub(crate) on: bool,
+    /// What is on the left and on the right.
+    pub(crate) names: [String; 2],
 }
 
 impl Default for Wipe {
     fn default() -> Self {
-        Self { share: 0.5, on: false }
+        Self { share: 0.5, on: false, names: Default::default() }
     }
 }
 
@@ -30,7 +34,7 @@ impl Wipe {
         Rect::from_min_max(pos2(self.line(screen), screen.top()), screen.max)
     }
 
-    /// The line, to be dragged.
+    /// The line, to be dragged, and what is on both sides of it.
     pub(crate) fn show(&mut self, ui: &Ui, screen: Rect) {
         let x = self.line(screen);
         let grip = Rect::from_center_size(pos2(x, screen.center().y), vec2(12.0, screen.height()));
@@ -46,6 +50,13 @@ impl Wipe {
         let painter = ui.painter();
         painter.vline(x, screen.y_range(), Stroke::new(4.0, Color32::from_black_alpha(140)));
         painter.vline(x, screen.y_range(), Stroke::new(1.5, Color32::WHITE));
+        let sides = [(Align2::RIGHT_TOP, -12.0), (Align2::LEFT_TOP, 12.0)];
+        for ((align, by), name) in sides.into_iter().zip(&self.names) {
+            let galley = painter.layout_no_wrap(name.clone(), FontId::proportional(13.0), Color32::WHITE);
+            let rect = align.anchor_size(pos2(x + by, screen.top() + 10.0), galley.size());
+            painter.rect_filled(rect.expand(4.0), 4.0, Color32::from_black_alpha(150));
+            painter.galley(rect.min, galley, Color32::WHITE);
+        }
         let middle = pos2(x, screen.center().y);
         painter.circle(middle, 9.0, Color32::WHITE, Stroke::new(1.5, Color32::BLACK));
         for side in [-1.0, 1.0] {
