@@ -89,14 +89,27 @@ fn frame_of_500_nodes(bencher: Bencher<'_, '_>) {
     bencher.bench_local(|| window.frame());
 }
 
-/// From a change of a curve's height to its draft in the window.
-#[divan::bench(sample_count = 30, sample_size = 1, args = ["mountain", "hills", "canyon", "volcanic_island"])]
-fn draft_after_a_change(bencher: Bencher<'_, '_>, preset: &str) {
+const SCENES: [&str; 4] = ["mountain", "hills", "canyon", "volcanic_island"];
+
+/// From a change of a curve's height to its draft on the map.
+#[divan::bench(sample_count = 30, sample_size = 1, args = SCENES)]
+fn draft_on_the_map(bencher: Bencher<'_, '_>, preset: &str) {
+    draft_after_a_change(bencher, preset, |_| ());
+}
+
+/// The same in the relief, under sun and sky.
+#[divan::bench(sample_count = 30, sample_size = 1, args = SCENES)]
+fn draft_in_the_relief(bencher: Bencher<'_, '_>, preset: &str) {
+    draft_after_a_change(bencher, preset, |editor| editor.show_relief(513));
+}
+
+fn draft_after_a_change(bencher: Bencher<'_, '_>, preset: &str, view: impl Fn(&mut Editor)) {
     // A copy, so that no editor claims the preset.
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scene.graph");
     std::fs::copy(format!("graphs/{preset}.graph"), &path).expect("a preset");
     let mut window = Window::on(&path, Options::default());
+    view(&mut window.editor);
     window.until(|editor| !editor.is_busy());
     let graph = window.editor.document().graph();
     let kind = |id: &_| graph.node(*id).kind().map(|k| k.id) == Some("feature_curves");

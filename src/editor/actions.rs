@@ -24,6 +24,7 @@ use crate::graph::{Graph, NodeId, Note, Problem};
 pub(crate) enum After {
     New,
     Open,
+    Start,
     OpenFile(PathBuf),
     Quit,
 }
@@ -33,6 +34,7 @@ impl Editor {
         match command {
             Command::New => self.leave(ctx, After::New),
             Command::Open => self.leave(ctx, After::Open),
+            Command::Start => self.leave(ctx, After::Start),
             Command::Quit => self.leave(ctx, After::Quit),
             Command::Save => self.save(ctx),
             Command::SaveAs => self.ask(ctx, FileFor::SaveAs),
@@ -51,7 +53,7 @@ impl Editor {
             Command::Remove => self.remove(false),
             Command::Find => self.dialog = Dialog::find(),
             Command::AddNode => self.canvas.open_search(),
-            Command::AddFrame => self.add_note(),
+            Command::AddFrame => self.add_note(ctx),
             Command::Bypass => self.on_chosen("Bypass", ops::toggle_bypass),
             Command::Pin => self.pin(),
             Command::Rename => {
@@ -102,6 +104,16 @@ impl Editor {
             Command::Rename => chosen.nodes.len() == 1,
             Command::Build => self.graph().outputs().len() > 0,
             _ => true,
+        }
+    }
+
+    /// Whether a switch is on.
+    pub(super) fn is_on(&self, command: Command) -> bool {
+        match command {
+            Command::Snap => self.canvas.snap,
+            Command::Times => self.settings.times,
+            Command::Compare => self.wipe.on,
+            _ => false,
         }
     }
 
@@ -213,6 +225,7 @@ impl Editor {
         if let Some([first, .., last]) = new.as_deref() {
             self.hold_view(*last);
             self.canvas.chosen = Chosen::only(*first);
+            self.canvas.show_all();
             let (drawing, pad) = self.pad();
             drawing.look(&pad);
             drawing.begin();
@@ -229,6 +242,7 @@ impl Editor {
             let Some(&[id]) = new.as_deref() else { return };
             self.hold_view(id);
             self.canvas.chosen = Chosen::only(id);
+            self.canvas.show_all();
             let (drawing, pad) = self.pad();
             drawing.look(&pad);
         }
@@ -257,7 +271,7 @@ impl Editor {
         self.pinned = Some(self.shown_node().unwrap_or(new));
     }
 
-    fn add_note(&mut self) {
+    fn add_note(&mut self, ctx: &Context) {
         let graph = self.document.graph();
         let chosen = &self.canvas.chosen;
         let around = covered(graph, chosen.nodes.iter().copied(), []);
@@ -276,6 +290,7 @@ impl Editor {
         if let Some(name) = self.edit("Add note", |g| g.add_note(note)) {
             self.canvas.chosen = Chosen { nodes: BTreeSet::new(), notes: BTreeSet::from([name]) };
             self.tab = Tab::Node;
+            ctx.data_mut(|d| d.insert_temp(super::inspector::focus_note(), true));
         }
     }
 
@@ -295,6 +310,7 @@ impl Editor {
                 self.adopt(ctx, document);
             }
             After::Open => self.ask(ctx, FileFor::Open),
+            After::Start => self.dialog = Dialog::Welcome,
             After::OpenFile(path) => self.open(ctx, &path),
             After::Quit => {
                 self.closing = true;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Context, Ui};
 use eframe::wgpu::TextureFormat;
 
-use super::ask::{Answer, Asker, Question, system};
+use super::ask::{Answer, Asker, Given, Question, system};
 use super::board::{Measured, Scenery};
 use super::build::BuildDialog;
 use super::canvas::{Canvas, Desk};
@@ -76,6 +76,8 @@ pub struct Editor {
     pub(super) build: BuildDialog,
     pub(super) tab: Tab,
     pub(super) pinned: Option<NodeId>,
+    /// The node that was shown last, which stays while nothing is chosen.
+    pub(super) last: Option<NodeId>,
     /// Of the shown node, the output that is shown; its first where it has none of the name.
     pub(super) output: Option<&'static str>,
     /// What colours the terrain; none for its own colours.
@@ -150,6 +152,7 @@ impl Editor {
             build: BuildDialog::default(),
             tab: Tab::Node,
             pinned: None,
+            last: None,
             output: None,
             drape: None,
             asking: None,
@@ -217,10 +220,11 @@ impl Editor {
         ctx.set_theme(if self.settings.dark { egui::Theme::Dark } else { egui::Theme::Light });
     }
 
-    /// The node that the view shows: the pinned one, else the only chosen one.
+    /// The node that the view shows: the pinned one, else the only chosen one, else the one before.
     pub(super) fn shown_node(&self) -> Option<NodeId> {
         let graph = self.document.graph();
-        self.pinned.filter(|id| graph.get(*id).is_some()).or(self.canvas.chosen.lone())
+        let all = [self.pinned, self.canvas.chosen.lone(), self.last];
+        all.into_iter().flatten().find(|id| graph.get(*id).is_some())
     }
 
     /// The output that the view shows.
@@ -302,6 +306,7 @@ impl Editor {
         if let Some(command) = self.key(&ctx) {
             self.perform(&ctx, command);
         }
+        self.last = self.shown_node();
         self.menu_bar(ui);
         self.status_bar(ui);
         self.side_panel(ui);
@@ -365,7 +370,8 @@ impl Editor {
                 return;
             };
             if self.map.charts {
-                egui::Panel::bottom("charts").resizable(true).default_size(120.0).show(ui, |ui| {
+                let charts = egui::Panel::bottom("charts").resizable(true).default_size(120.0);
+                charts.size_range(80.0..=400.0).show(ui, |ui| {
                     self.map.charts(ui, board);
                 });
             }
@@ -400,8 +406,12 @@ impl Editor {
         let Some((purpose, answer)) = self.asking.take() else { return };
         match answer.take() {
             None => self.asking = Some((purpose, answer)),
-            Some(None) => (),
-            Some(Some(path)) => self.answered(ctx, purpose, path),
+            Some(Given::Nothing) => (),
+            Some(Given::Path(path)) => self.answered(ctx, purpose, path),
+            Some(Given::NoDialogs) => {
+                let start = self.typed_path(&purpose);
+                self.dialog = Dialog::Path(purpose, start);
+            }
         }
     }
 

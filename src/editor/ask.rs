@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
 
 use eframe::egui::Context;
 
@@ -21,25 +22,47 @@ pub enum Question {
 /// Asks, and gives where the answer will come.
 pub type Asker = Box<dyn Fn(Question, Option<&Path>, &Context) -> Answer>;
 
+/// How quickly a dialog ends that never opened: nobody closes one in that time.
+const NEVER_OPENED: Duration = Duration::from_millis(400);
+
+/// What came of asking.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Given {
+    /// A path was chosen.
+    Path(PathBuf),
+    /// Nothing was chosen.
+    Nothing,
+    /// The system has no dialogs: the editor asks by itself.
+    NoDialogs,
+}
+
 /// An answer that may not be there yet.
 #[derive(Debug)]
-pub struct Answer(Receiver<Option<PathBuf>>);
+pub struct Answer(Receiver<Given>);
 
 impl Answer {
     /// An answer that is known: for those who ask nobody.
     pub fn known(path: Option<PathBuf>) -> Self {
         let (to, from) = channel();
         // The receiver is here.
-        let _ = to.send(path);
+        let _ = to.send(path.map_or(Given::Nothing, Given::Path));
         Self(from)
     }
 
-    /// The answer, once; `Some(None)` where nothing was chosen.
-    pub(crate) fn take(&self) -> Option<Option<PathBuf>> {
+    /// The answer of a system without dialogs.
+    pub fn no_dialogs() -> Self {
+        let (to, from) = channel();
+        // The receiver is here.
+        let _ = to.send(Given::NoDialogs);
+        Self(from)
+    }
+
+    /// The answer, once it is there.
+    pub(crate) fn take(&self) -> Option<Given> {
         match self.0.try_recv() {
-            Ok(path) => Some(path),
+            Ok(given) => Some(given),
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(None),
+            Err(TryRecvError::Disconnected) => Some(Given::Nothing),
         }
     }
 }
@@ -61,9 +84,14 @@ pub(crate) fn system(question: Question, folder: Option<&Path>, ctx: &Context) -
         Question::Folder => Box::pin(dialog.pick_folder()),
     };
     std::thread::spawn(move || {
-        let path = pollster::block_on(waiting).map(|file| file.path().to_owned());
+        let asked = Instant::now();
+        let given = match pollster::block_on(waiting) {
+            Some(file) => Given::Path(file.path().to_owned()),
+            None if asked.elapsed() < NEVER_OPENED => Given::NoDialogs,
+            None => Given::Nothing,
+        };
         // The window may be gone.
-        let _ = to.send(path);
+        let _ = to.send(given);
         ctx.request_repaint();
     });
     Answer(from)

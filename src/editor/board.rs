@@ -193,18 +193,22 @@ impl Board {
         self.detail = Some(detail);
     }
 
-    /// Takes the lit pictures of what is shown.
-    pub(crate) fn light(&mut self, light: Light, picture: Picture, against: Option<Picture>) {
+    /// Takes the lit pictures of what is shown and of what it is compared with; none where it cannot be lit.
+    pub(crate) fn take_light(&mut self, light: Light, lit: Option<(Picture, Option<Picture>)>) {
         self.news += 1;
-        let against = against.map(Arc::new);
-        let (showing, number, picture) = (self.showings, self.news, Arc::new(picture));
-        self.lit = Some(Lit { showing, scene: self.scene, number, light, picture, against });
+        let (showing, number) = (self.showings, self.news);
+        match lit {
+            None => self.dark = Some((showing, light)),
+            Some((picture, against)) => {
+                let (picture, against) = (Arc::new(picture), against.map(Arc::new));
+                self.lit = Some(Lit { showing, scene: self.scene, number, light, picture, against });
+            }
+        }
     }
 
-    /// Nothing of what is shown can be lit.
-    pub(crate) fn stay_dark(&mut self, light: Light) {
-        self.news += 1;
-        self.dark = Some((self.showings, light));
+    /// Whether what is shown is lit by a light, or cannot be.
+    pub(crate) fn is_lit(&self, light: Light) -> bool {
+        self.dark == Some((self.showings, light)) || self.lit_now().is_some_and(|lit| lit.light == light)
     }
 
     /// The lit pictures of what is shown now.
@@ -240,9 +244,7 @@ impl Board {
 
     /// Whether what is shown is what would be made, under the light where one is wanted.
     pub(crate) fn stands(&self, made: &Made, light: Option<Light>) -> bool {
-        let is_lit = light.is_none_or(|light| {
-            self.dark == Some((self.showings, light)) || self.lit_now().is_some_and(|lit| lit.light == light)
-        });
+        let is_lit = light.is_none_or(|light| self.is_lit(light));
         self.is_made(made) && is_lit
     }
 

@@ -47,7 +47,7 @@ impl Default for BuildDialog {
 
 impl Editor {
     pub(super) fn open_build(&mut self) {
-        let folder = self.document.path().and_then(|p| p.parent().map(|f| f.join("build")));
+        let folder = self.document.path().and_then(|p| std::path::absolute(p.parent()?.join("build")).ok());
         if self.build.folder.is_empty()
             && let Some(folder) = folder
         {
@@ -66,7 +66,7 @@ impl Editor {
         let closed = modal(ctx, "build", 480.0, |ui| {
             ui.heading("Build");
             if let Some(running) = &mut self.build.running {
-                if running.show(ui) {
+                if running.show(ui, &self.build.folder) {
                     self.build.running = None;
                 }
             } else {

@@ -49,6 +49,8 @@ macro_rules! commands {
 commands! {
     /// Starts an empty graph
     New = "New graph" COMMAND N;
+    /// Begins with one of the presets that come with the program
+    Start = "Presets to begin with";
     /// Opens a .graph file
     Open = "Open…" COMMAND O;
     /// Writes the file, whole or not at all
@@ -125,9 +127,9 @@ impl Command {
         matches!(self, Self::Cut | Self::Copy | Self::Paste)
     }
 
-    /// A button with its name and key.
-    pub(crate) fn button(self, ui: &mut Ui, enabled: bool) -> Response {
-        let mut button = Button::new(self.name());
+    /// A button with its name and key; of a switch also whether it is on.
+    pub(crate) fn button(self, ui: &mut Ui, enabled: bool, on: bool) -> Response {
+        let mut button = Button::new(self.name()).selected(on);
         if let Some(shortcut) = self.shortcut() {
             button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
         }

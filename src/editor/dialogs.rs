@@ -30,6 +30,8 @@ pub(super) enum Dialog {
     Find(Finder),
     /// The build.
     Build,
+    /// A path to be typed, where the system has no dialogs for files.
+    Path(FileFor, String),
 }
 
 /// A text to find something by.
@@ -68,6 +70,7 @@ impl Editor {
             Dialog::Palette(finder) => self.palette(ctx, finder),
             Dialog::Find(finder) => self.find(ctx, finder),
             Dialog::Build => self.build_window(ctx),
+            Dialog::Path(purpose, text) => self.path(ctx, purpose, text),
         };
         // What was opened by a button of this one goes before it.
         if let (Some(dialog), Dialog::None) = (stays, &self.dialog) {
@@ -75,8 +78,50 @@ impl Editor {
         }
     }
 
+    /// What the field for a path starts with: the folder of the graph, or the one the program was started in.
+    pub(super) fn typed_path(&self, purpose: &FileFor) -> String {
+        let own = self.document.path().and_then(std::path::Path::parent).map(std::path::Path::to_owned);
+        let folder = own.and_then(|f| std::path::absolute(f).ok()).or_else(|| std::env::current_dir().ok());
+        let folder = folder.unwrap_or_default();
+        let path = match purpose {
+            FileFor::SaveAs => folder.join(format!("{}.graph", self.document.name())),
+            FileFor::Build => folder.join("build"),
+            FileFor::Open | FileFor::Parameter(..) => folder.join(""),
+        };
+        path.to_string_lossy().into_owned()
+    }
+
+    fn path(&mut self, ctx: &Context, purpose: FileFor, mut text: String) -> Option<Dialog> {
+        let (title, button) = match &purpose {
+            FileFor::Open => ("Open a graph", "Open"),
+            FileFor::SaveAs => ("Save the graph", "Save"),
+            FileFor::Parameter(..) => ("Choose a file", "Choose"),
+            FileFor::Build => ("Build into a folder", "Choose"),
+        };
+        let (mut done, mut cancelled) = (false, false);
+        let closed = modal(ctx, "path", 560.0, |ui| {
+            ui.heading(title);
+            ui.weak("This system has no dialog for files: type the path.");
+            let edit = ui.add(egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY));
+            named_text(&edit, &text, "Path");
+            if !edit.has_focus() && !edit.lost_focus() {
+                edit.request_focus();
+            }
+            done |= edit.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
+            ui.horizontal(|ui| {
+                done |= ui.button(button).clicked();
+                cancelled = ui.button("Cancel").clicked();
+            });
+        });
+        if done && !text.trim().is_empty() {
+            self.answered(ctx, purpose, text.trim().into());
+            return None;
+        }
+        (!closed && !cancelled).then_some(Dialog::Path(purpose, text))
+    }
+
     fn recover(&mut self, ctx: &Context, mut orphans: Vec<Orphan>) -> Option<Dialog> {
-        let (mut taken, mut thrown) = (None, None);
+        let (mut taken, mut thrown, mut postponed) = (None, None, false);
         let mut later = modal(ctx, "recover", 520.0, |ui| {
             ui.heading("Unsaved work was found");
             ui.label("The editor did not end well. What was not saved has been kept:");
@@ -87,8 +132,12 @@ impl Editor {
                     .as_ref()
                     .map_or("a graph without a file".to_owned(), |p| p.display().to_string());
                 ui.strong(name);
-                let age = orphan.when.elapsed().map_or(0, |t| t.as_secs() / 60);
-                ui.weak(format!("{age} minutes ago, {} bytes", orphan.graph.len()));
+                let age = match orphan.when.elapsed().map_or(0, |t| t.as_secs() / 60) {
+                    0 => "a moment ago".to_owned(),
+                    1 => "a minute ago".to_owned(),
+                    n => format!("{n} minutes ago"),
+                };
+                ui.weak(format!("{age}, {} bytes", orphan.graph.len()));
                 ui.horizontal(|ui| {
                     if ui.button("Recover").clicked() {
                         taken = Some(i);
@@ -98,7 +147,11 @@ impl Editor {
                     }
                 });
             }
+            ui.separator();
+            let later = ui.button("Later").on_hover_text("It is offered again at the next start");
+            postponed = later.clicked();
         });
+        later |= postponed;
         if let Some(i) = thrown {
             orphans.remove(i).forget();
         }
@@ -282,7 +335,7 @@ impl Finder {
 
 /// All keys, from the list of commands.
 fn help(ctx: &Context) -> Option<Dialog> {
-    let closed = modal(ctx, "keys", 560.0, |ui| {
+    let closed = modal(ctx, "keys", 640.0, |ui| {
         ui.heading("Keys");
         egui::ScrollArea::vertical().max_height(460.0).show(ui, |ui| {
             egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
@@ -302,6 +355,13 @@ fn help(ctx: &Context) -> Option<Dialog> {
                     ("Alt-click on a wire", "Cuts it"),
                     ("Double-click on a node", "Pins it in the view"),
                     ("Shift-drag over the map", "Profile along a line"),
+                    ("Drag, Shift-drag, wheel", "In the relief: turn, pan, come nearer"),
+                    ("W A S D Q E while dragging", "Fly over the relief"),
+                    ("Click on a curve", "Selects it; its points and handles can be dragged"),
+                    ("Double-click on a curve", "Adds a control point; with Shift a constraint point"),
+                    ("Enter, Esc, double-click", "End a curve that is drawn"),
+                    ("Alt while painting", "Erases"),
+                    ("[ and ]", "Smaller and larger brush"),
                 ];
                 for (hand, what) in hands {
                     ui.monospace(hand);

@@ -40,7 +40,7 @@ impl Editor {
         egui::Panel::top("menu").show(ui, |ui| {
             egui::MenuBar::new().ui(ui, |ui| {
                 let menus: [(&str, &[&[Command]]); 5] = [
-                    ("File", &[&[New, Open], &[Save, SaveAs], &[Build], &[Quit]]),
+                    ("File", &[&[New, Start, Open], &[Save, SaveAs], &[Build], &[Quit]]),
                     (
                         "Edit",
                         &[
@@ -69,7 +69,7 @@ impl Editor {
                                 ui.separator();
                             }
                             for &command in *group {
-                                if command.button(ui, self.can(command)).clicked() {
+                                if command.button(ui, self.can(command), self.is_on(command)).clicked() {
                                     chosen = Some(command);
                                     ui.close();
                                 }
@@ -129,7 +129,8 @@ impl Editor {
         let problems = self.document.problems();
         let worst = problems.iter().filter(|p| p.is_error()).count();
         let (errors, warnings) = (worst, problems.len() - worst);
-        if problems.is_empty() {
+        // An empty graph has no output yet, which nobody needs to be told.
+        if problems.is_empty() || self.graph().nodes().len() == 0 {
             return;
         }
         let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
@@ -217,7 +218,8 @@ impl Editor {
             });
             ui.separator();
             let ctx = ui.ctx().clone();
-            egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| self.page(ui, &ctx));
+            // What is too wide is scrolled to, so that a long number does not push the panel over the window.
+            egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| self.page(ui, &ctx));
         });
     }
 

@@ -42,17 +42,19 @@ impl Editor {
         self.canvas.show_all();
         self.map.show_all();
         self.relief.reset();
-        (self.pinned, self.output, self.drape, self.accepted) = (None, None, None, None);
+        (self.pinned, self.last, self.output) = (None, None, None);
+        (self.drape, self.accepted) = (None, None);
         self.reclaim(ctx);
         self.choose_result();
         self.start_evaluator(ctx);
     }
 
-    /// Shows what the first output of the graph reads.
+    /// Shows what the first output of the graph reads; without one, the last node that nothing reads.
     fn choose_result(&mut self) {
         let graph = self.document.graph();
         let first = graph.outputs().find_map(|(name, _)| graph.output_source(name).ok());
         self.pinned = first.map(|s| s.node);
+        self.last = graph.nodes().filter(|id| graph.consumers(*id).next().is_none()).last();
     }
 
     /// Claims the file of the document and watches it; warns when another editor has it.

@@ -36,7 +36,7 @@ impl Mode {
 
     pub(crate) const fn name(self) -> &'static str {
         match self {
-            Self::Relief => "Relief",
+            Self::Relief => "Shaded",
             Self::Ramp => "Ramp",
             Self::Raw => "Raw",
         }

@@ -49,7 +49,8 @@ pub(crate) fn family_color(family: &str, dark: bool) -> Color32 {
         "select" => [104, 74, 124],
         _ => [84, 84, 90],
     };
-    let lift = |c: u8| if dark { c } else { 255 - (255 - c) / 2 };
+    // The titles are white in both themes.
+    let lift = |c: u8| if dark { c } else { c.saturating_add(18) };
     Color32::from_rgb(lift(r), lift(g), lift(b))
 }
 
@@ -69,7 +70,7 @@ pub(crate) fn note_color(color: NoteColor) -> Color32 {
 /// Errors.
 pub(crate) const ERROR: Color32 = Color32::from_rgb(222, 84, 70);
 /// Warnings.
-pub(crate) const WARNING: Color32 = Color32::from_rgb(224, 170, 52);
+pub(crate) const WARNING: Color32 = Color32::from_rgb(204, 132, 24);
 /// What is chosen.
 pub(crate) const CHOSEN: Color32 = Color32::from_rgb(255, 196, 84);
 

@@ -137,7 +137,9 @@ impl Editor {
         if pin.changed() {
             self.pinned = pinned.then_some(source.node);
         }
-        ui.strong(name);
+        // Of one width, so that the rest of the bar stays where it is.
+        let label = egui::Label::new(egui::RichText::new(&name).strong()).truncate();
+        ui.add_sized([110.0, ui.spacing().interact_size.y], label).on_hover_text(&name);
         if outputs.len() > 1 {
             let combo = egui::ComboBox::from_id_salt("shown output").selected_text(source.port);
             combo.show_ui(ui, |ui| {

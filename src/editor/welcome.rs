@@ -86,7 +86,7 @@ fn shown(ui: &mut Ui, preset: &Preset) -> bool {
     let clicked = match picture(ui.ctx(), preset) {
         Some(texture) => {
             let image = egui::Image::new((texture.id(), size)).corner_radius(4);
-            let button = ui.add(egui::Button::image(image).frame(false)).on_hover_text(preset.about);
+            let button = ui.add(egui::Button::image(image).frame(false));
             super::inspector::named(
                 &button,
                 egui::WidgetType::Button,

@@ -126,7 +126,7 @@ impl Graph {
         Problem::error(Place::Node(self.node(first).name.clone()), message).of(first)
     }
 
-    /// "`a` → `b` → `a`"; the middle of a long path is left out.
+    /// "`a` > `b` > `a`"; the middle of a long path is left out.
     pub(super) fn path_text(&self, path: &[NodeId], last: NodeId) -> String {
         const SHOWN: usize = 12;
         let name = |id: &NodeId| format!("`{}`", self.node(*id).name);
@@ -135,7 +135,7 @@ impl Graph {
             let left_out = names.len() - SHOWN;
             names.splice(SHOWN / 2..SHOWN / 2 + left_out, [format!("… ({left_out} more) …")]);
         }
-        names.join(" → ")
+        names.join(" > ")
     }
 
     /// The nodes on a way along the wires from one node to another, both included.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, pos2, vec2};
+use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, pos2, vec2};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
@@ -130,8 +130,12 @@ impl Window {
         graph.source(graph.find(node).unwrap(), input).map(|s| graph.source_text(s))
     }
 
+    pub(crate) fn rect(&self, label: &str) -> Rect {
+        self.0.get_by_label(label).rect()
+    }
+
     pub(crate) fn at(&self, label: &str) -> Pos2 {
-        self.0.get_by_label(label).rect().center()
+        self.rect(label).center()
     }
 
     pub(crate) fn sees(&self, label: &str) -> bool {

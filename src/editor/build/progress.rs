@@ -72,7 +72,7 @@ impl Running {
     }
 
     /// Shows how far it is; true when it shall be stopped, or has ended and is done with.
-    pub(super) fn show(&mut self, ui: &mut Ui) -> bool {
+    pub(super) fn show(&mut self, ui: &mut Ui, folder: &str) -> bool {
         if self.ended.is_none()
             && let Ok(Some(status)) = self.child.try_wait()
         {
@@ -80,7 +80,7 @@ impl Running {
         }
         match self.ended {
             None => _ = ui.horizontal(|ui| (ui.spinner(), ui.label("Building"))),
-            Some(true) => _ = ui.label(RichText::new("Done.").strong()),
+            Some(true) => _ = ui.label(RichText::new(format!("Done: see {folder}")).strong()),
             Some(false) => _ = ui.colored_label(theme::ERROR, "The build did not end well."),
         }
         let news = self.news.lock().unwrap_or_else(PoisonError::into_inner);

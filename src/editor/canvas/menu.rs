@@ -12,7 +12,7 @@ fn entries(ui: &mut Ui, groups: &[&[Command]]) -> Option<Command> {
             ui.separator();
         }
         for &command in *group {
-            if command.button(ui, true).clicked() {
+            if command.button(ui, true, false).clicked() {
                 chosen = Some(command);
                 ui.close();
             }

@@ -91,9 +91,10 @@ impl Search {
         if pressed(Key::Enter) {
             return hits.get(self.chosen).map_or(Found::Closed, |k| Found::Kind(k));
         }
-        let hint = match self.end.and_then(|end| end.wire(graph)) {
-            Some(wire) => format!("What takes or gives {}", wire.name()),
-            None => "Search nodes".to_owned(),
+        let hint = match (self.end, self.end.and_then(|end| end.wire(graph))) {
+            (Some(End::From(_)), Some(wire)) => format!("What takes {}", wire.name()),
+            (Some(End::To(..)), Some(wire)) => format!("What gives {}", wire.name()),
+            _ => "Search nodes".to_owned(),
         };
         let edit = egui::TextEdit::singleline(&mut self.query).hint_text(hint).desired_width(f32::INFINITY);
         let edit = ui.add(edit);

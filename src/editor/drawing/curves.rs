@@ -100,7 +100,13 @@ impl Drawing {
         let (mut taken, mut told) = (None, None);
         for grip in &grips {
             let Some(at) = space.screen(grip.at) else { continue };
-            let at = at - egui::vec2(0.0, grip.lift);
+            let pulled = self.grab.as_ref().filter(|g| g.part == grip.part && space.is_flat());
+            let by = match (grip.part, pulled.zip(ui.input(|i| i.pointer.latest_pos()))) {
+                // From above a height has no place of its own: its grip goes with the hand.
+                (Part::Height(_), Some((grab, pointer))) => pointer.y - grab.from.y,
+                _ => 0.0,
+            };
+            let at = at + egui::vec2(0.0, by - grip.lift);
             if !ui.clip_rect().contains(at) {
                 continue;
             }

@@ -44,6 +44,10 @@ pub(crate) trait Space {
     fn across(&self, at: [f64; 3]) -> f64;
     /// Whether the ground hides a place.
     fn hides(&self, at: [f64; 3]) -> bool;
+    /// Whether it is seen from straight above, so that heights have no place of their own.
+    fn is_flat(&self) -> bool;
+    /// From the lowest to the highest ground, in metres.
+    fn relief(&self) -> f64;
 }
 
 /// What a hand does on the ground of a view.
@@ -165,7 +169,7 @@ impl Drawing {
         self.curve = self.curve.filter(|i| *i < curves.len());
         let points = self.curve.and_then(|i| curves[i].as_ref()).map_or(0, |c| c.points().len());
         self.point = self.point.filter(|k| *k < points);
-        let anchors = self.curve.map_or(0, |i| sheet.anchors(i));
+        let anchors = self.curve.map_or(0, |i| sheet.places(i).len());
         self.anchor = self.anchor.filter(|k| *k < anchors);
         if matches!(sheet, Sheet::Trail(_)) {
             self.curve = Some(0);
@@ -183,6 +187,12 @@ impl Drawing {
         self.look(pad);
         let Some(known) = &self.known else { return };
         let step = step(pad);
+        let hint = match self.tool {
+            Tool::Select => "",
+            Tool::Draw => "Click for each point, or drag freely; double-click, Enter or Esc ends",
+            Tool::Brush => "Drag paints, with Alt it erases; [ and ] change the radius, Esc ends",
+        };
+        paint::hint(ui, hint);
         match known.sheet {
             Sheet::Strokes(_) => self.brushing(ui, space, ground, pad, step),
             _ => self.curving(ui, space, ground, pad, step),

@@ -1,6 +1,6 @@
 //! How curves and their grips look: light over dark, so that they are seen on any ground.
 
-use eframe::egui::{Align2, Color32, FontId, Pos2, Shape, Stroke, Ui, vec2};
+use eframe::egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, vec2};
 
 use super::Space;
 use super::grip::{Grip, Part};
@@ -79,6 +79,14 @@ pub(super) fn path(ui: &Ui, space: &dyn Space, points: &[[f64; 2]]) {
     stroke(ui, &seen, 2.0, theme::CHOSEN);
 }
 
+/// The points of a curve that is being drawn.
+pub(super) fn marks(ui: &Ui, space: &dyn Space, places: impl Iterator<Item = [f64; 2]>) {
+    for at in places.filter_map(|p| space.screen([p[0], p[1], space.height(p)])) {
+        let square = Rect::from_center_size(at, vec2(9.0, 9.0));
+        ui.painter().rect(square, 0.0, Color32::WHITE, Stroke::new(1.5, Color32::BLACK), StrokeKind::Middle);
+    }
+}
+
 /// A part that can be held: squares for control points, circles for handles, diamonds for constraint points, a pin for
 /// heights, bars for widths, triangles for angles.
 pub(super) fn grip(ui: &Ui, space: &dyn Space, grip: &Grip, at: Pos2, hot: bool, chosen: bool) {
@@ -114,6 +122,17 @@ pub(super) fn grip(ui: &Ui, space: &dyn Space, grip: &Grip, at: Pos2, hot: bool,
         Part::Angle(..) => corners(&[[0.0, -1.1], [1.1, 0.9], [-1.1, 0.9]]),
     };
     painter.add(shape);
+}
+
+/// How a tool is used, at the top of the view.
+pub(super) fn hint(ui: &Ui, text: &str) {
+    if text.is_empty() {
+        return;
+    }
+    let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(12.5), Color32::WHITE);
+    let rect = Align2::CENTER_TOP.anchor_size(ui.clip_rect().center_top() + vec2(0.0, 8.0), galley.size());
+    ui.painter().rect_filled(rect.expand(5.0), 4.0, Color32::from_black_alpha(170));
+    ui.painter().galley(rect.min, galley, Color32::WHITE);
 }
 
 /// What is under the hand, and its value.

@@ -7,9 +7,14 @@ use super::sheet::Sheet;
 use super::{Drawing, Pad, Space, Tool, Trace, paint, pressed};
 use crate::kit::paint::thinned;
 use crate::value::CurveSpec;
+use crate::value::curves::bezier::{norm, sub};
 
 /// Pixels that a freely drawn line may be off its points.
 const LOOSE: f64 = 3.0;
+/// Relief in metres below which the ground is a plain, and the length of a new curve that it rises by on one: a curve at
+/// the height of a plain would change nothing.
+const PLAIN: f64 = 1.0;
+const RISE: f64 = 0.1;
 
 impl Drawing {
     /// Begins to draw.
@@ -64,6 +69,9 @@ impl Drawing {
         if let (Some(from), Some(to)) = (end, here) {
             paint::path(ui, space, &[from, to]);
         }
+        let of_curve =
+            self.curve.filter(|_| self.anchor.is_some()).and_then(|i| Some(self.sheet()?.places(i)));
+        paint::marks(ui, space, self.start.into_iter().chain(of_curve.into_iter().flatten()));
     }
 
     /// A click: the first begins, the second makes the curve, others go on. A curve that is all that its node has goes on
@@ -108,13 +116,15 @@ impl Drawing {
         }
     }
 
-    /// A new curve at the heights of the ground it is drawn on; of a node that has one curve, its new course.
+    /// A new curve at the heights of the ground it is drawn on, on a plain above it; of a node that has one curve, its new course.
     fn add_curve(&mut self, pad: &mut Pad<'_>, points: &[[f64; 2]], space: &dyn Space) {
         let Some(mut sheet) = self.sheet().cloned() else { return };
         let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
         let number = match &mut sheet {
             Sheet::Curves(specs) => {
-                let [from, to] = [first, last].map(|p| space.height(*p).round());
+                let long: f64 = points.windows(2).map(|w| norm(sub(w[1], w[0]))).sum();
+                let rise = if space.relief() < PLAIN { RISE * long } else { 0.0 };
+                let [from, to] = [first, last].map(|p| (space.height(*p) + rise).round());
                 specs.push(CurveSpec {
                     through: points.iter().flatten().copied().collect(),
                     height: vec![0.0, from, 0.0, 1.0, to, 0.0],

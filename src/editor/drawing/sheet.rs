@@ -62,12 +62,12 @@ impl Sheet {
         }
     }
 
-    /// Number of control points of a curve.
-    pub(super) fn anchors(&self, i: usize) -> usize {
+    /// The control points of a curve.
+    pub(super) fn places(&self, i: usize) -> Vec<[f64; 2]> {
         match self {
-            Self::Curves(specs) => specs.get(i).map_or(0, |s| s.anchors().len()),
-            Self::Trail(points) => points.len(),
-            Self::Strokes(_) => 0,
+            Self::Curves(specs) => specs.get(i).map(CurveSpec::anchors).unwrap_or_default(),
+            Self::Trail(points) => points.iter().filter_map(|p| Some([*p.first()?, *p.get(1)?])).collect(),
+            Self::Strokes(_) => Vec::new(),
         }
     }
 

@@ -7,7 +7,7 @@ use crate::editor::board::{NodeState, Seen};
 use crate::editor::draft::preview;
 use crate::editor::watcher::Watcher;
 use crate::engine::{Engine, EngineError, Key, Want};
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, NodeId, Source};
 use crate::value::Grid;
 
 /// Samples along the longer side of a thumbnail.
@@ -28,11 +28,13 @@ impl Shared {
             if cancel.is_cancelled() {
                 return Err(Stopped);
             }
-            let Some(key) = keys.get(&id) else { continue };
-            if !lock(&self.board).lacks(id, *key) {
-                continue;
+            // A node that is left out shows what it passes on.
+            let port = graph.get(id).and_then(|n| n.kind()?.outputs.first());
+            let passed = port.and_then(|p| graph.passed(Source { node: id, port: p.name }));
+            let Some(key) = passed.and_then(|s| keys.get(&s.node)) else { continue };
+            if lock(&self.board).lacks(id, *key) {
+                self.thumbnail(engine, graph, id, *key, grid, cancel)?;
             }
-            self.thumbnail(engine, graph, id, *key, grid, cancel)?;
         }
         Ok(())
     }

@@ -20,11 +20,9 @@ const DRAFT_ABOVE: f64 = 0.08;
 const DRAFT: f64 = 0.06;
 /// Estimated seconds up to which new orders wait for a draft.
 const SOON: f64 = 0.25;
-/// Samples along the longer side up to which a draft is lit, too: more would take longer than the draft itself.
-const LIT_DRAFT: usize = 300;
 
-/// Samples along the longer side up to which new orders wait for the light.
-const LIT_SOON: usize = 700;
+/// Samples along the longer side up to which the light is soon there: views wait for it, and new orders, too.
+const LIT_SOON: usize = 530;
 
 /// What the view is made of, once it was evaluated.
 #[derive(Clone)]
@@ -86,11 +84,7 @@ impl Shared {
             self.soon(|| show(graph, grid, false))?
         } else {
             if let Some(Draft { graph, grid, seconds }) = self.draft(engine, order, scene) {
-                let draft = || {
-                    let found = show(&graph, grid, true)?;
-                    let small = grid.cols.max(grid.rows) <= LIT_DRAFT;
-                    if small { self.lit(order, found, cancel) } else { Ok(()) }
-                };
+                let draft = || show(&graph, grid, true).map(drop);
                 if seconds <= SOON { self.soon(draft) } else { draft() }?;
             }
             show(graph, grid, false)?
@@ -143,8 +137,14 @@ impl Shared {
         let range = |v: &Value| value_range(&found.value).filter(|_| like(v));
         let against = found.against.as_ref().map(|v| shown(v, range(v))).transpose()?;
         let made = (!draft).then_some(Made { state: order.state, scene: *scene });
+        // Where the light is soon there, the picture comes with it and not before it.
+        let small = grid.cols.max(grid.rows) <= LIT_SOON;
+        let lit = order.light.filter(|_| small).map(|light| pictures(&found, light, cancel)).transpose()?;
         self.tell(|board| {
             board.show(*scene, main, against, made);
+            if let (Some(light), Some(lit)) = (order.light, lit) {
+                board.take_light(light, lit);
+            }
             if let Some(fault) = &found.fault {
                 board.view_fails(order.state, fault.clone());
             }
@@ -196,19 +196,14 @@ impl Shared {
         Ok(Some(Found { value, against, drape, tint, effective_cell, fault }))
     }
 
-    /// Makes the pictures under sun and sky of what is shown.
+    /// Makes the pictures under sun and sky of what is shown, where they are not there yet.
     fn lit(&self, order: &Order, found: Option<Found>, cancel: &Cancel) -> Result<(), Stopped> {
         let (Some(light), Some(found)) = (order.light, found) else { return Ok(()) };
-        let under = |value: &Value| {
-            let picture = under(value, found.drape.as_ref(), light, cancel)?;
-            Ok(picture.map(|p| shade::tinted(p, found.tint.as_ref())))
-        };
-        let Some(picture) = under(&found.value)? else {
-            self.tell(|board| board.stay_dark(light));
+        if lock(&self.board).is_lit(light) {
             return Ok(());
-        };
-        let against = found.against.as_ref().map(under).transpose()?.flatten();
-        self.tell(|board| board.light(light, picture, against));
+        }
+        let lit = pictures(&found, light, cancel)?;
+        self.tell(|board| board.take_light(light, lit));
         Ok(())
     }
 
@@ -255,6 +250,21 @@ impl Shared {
 fn wants(scene: &Scenery, grid: Grid) -> Vec<Want> {
     let all = [Some(scene.target), scene.against, scene.drape, scene.tint];
     all.into_iter().flatten().map(|s| Want { node: s.node, port: s.port, grid }).collect()
+}
+
+/// The pictures under sun and sky of what is shown and of what it is compared with; none where it is no height.
+fn pictures(
+    found: &Found,
+    light: Light,
+    cancel: &Cancel,
+) -> Result<Option<(Picture, Option<Picture>)>, Stopped> {
+    let under = |value: &Value| {
+        let picture = under(value, found.drape.as_ref(), light, cancel)?;
+        Ok(picture.map(|p| shade::tinted(p, found.tint.as_ref())))
+    };
+    let Some(picture) = under(&found.value)? else { return Ok(None) };
+    let against = found.against.as_ref().map(under).transpose()?.flatten();
+    Ok(Some((picture, against)))
 }
 
 /// The picture of heights under a light; none of what is no height.

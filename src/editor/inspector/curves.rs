@@ -38,7 +38,7 @@ pub(super) fn panel(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId, param: &Para
     });
     let key = egui::Id::new("curve that was chosen");
     let last: Option<usize> = ui.data(|d| d.get_temp(key)).unwrap_or_default();
-    let rows = ScrollArea::vertical().id_salt("curves").max_height(150.0).auto_shrink([false, true]);
+    let rows = ScrollArea::vertical().id_salt("curves").max_height(220.0).auto_shrink([false, true]);
     rows.show(ui, |ui| {
         for i in 0..specs.len() {
             let name = drawing.sheet().map(|s| s.name(i)).unwrap_or_default();
@@ -53,7 +53,12 @@ pub(super) fn panel(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId, param: &Para
     });
     ui.data_mut(|d| d.insert_temp(key, drawing.curve));
     let Some(spec) = drawing.curve.and_then(|i| specs.get(i)) else {
-        ui.weak("Click a curve on the terrain, or here, to change it.");
+        ui.weak(match drawing.tool {
+            Tool::Draw => {
+                "Click for each point on the terrain, or drag freely. Double-click, Enter or Esc ends."
+            }
+            _ => "Click a curve on the terrain, or here, to change it.",
+        });
         return;
     };
     ui.separator();
@@ -114,7 +119,7 @@ fn points(ui: &mut Ui, drawing: &mut Drawing, pad: &mut Pad<'_>, curve: &Curve) 
     ui.horizontal_wrapped(|ui| {
         ui.label("Constraint points");
         for (k, point) in points.iter().enumerate() {
-            let text = format!("{:.2}", point.u);
+            let text = format!("at {:.2}", point.u);
             if ui.selectable_label(drawing.point == Some(k), text).clicked() {
                 drawing.point = Some(k);
             }
@@ -194,7 +199,11 @@ fn group<T: Copy>(
     edit: impl FnOnce(&mut Ui, &mut T),
 ) {
     let mut on = value.is_some();
-    if ui.checkbox(&mut on, title).on_hover_text("Whether this point says it").changed() {
+    if ui
+        .checkbox(&mut on, title)
+        .on_hover_text("Whether this point says it. What one point alone says holds along the whole curve")
+        .changed()
+    {
         *value = on.then_some(first);
     }
     if let Some(value) = value {

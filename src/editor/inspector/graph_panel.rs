@@ -78,7 +78,7 @@ fn terrain(ui: &mut Ui, panel: &mut Panel<'_>) {
         }
     }
     let terrain = panel.graph().terrain();
-    ui.weak(format!("Base cell {:.2} m; sizes that fit: one more than a multiple.", terrain.base_cell()));
+    ui.weak(format!("Base cell {:.2} m.", terrain.base_cell()));
 }
 
 fn about(ui: &mut Ui, panel: &mut Panel<'_>) {

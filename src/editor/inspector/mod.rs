@@ -12,7 +12,7 @@ mod strokes;
 mod value;
 
 pub(crate) use graph_panel::graph_panel;
-pub(crate) use note::note_panel;
+pub(crate) use note::{focus_note, note_panel};
 pub(crate) use outputs::outputs_panel;
 pub(crate) use value::{named, named_text};
 
@@ -93,7 +93,7 @@ pub(crate) fn nodes_panel(ui: &mut Ui, panel: &mut Panel<'_>, chosen: &BTreeSet<
         let help = ui.small_button("?").on_hover_text("What this kind does");
         egui::Popup::menu(&help).width(420.0).show(|ui| page(ui, kind));
     });
-    ui.add(egui::Label::new(RichText::new(summary(kind)).small()).wrap());
+    ui.add(egui::Label::new(RichText::new(summary(kind)).size(12.0)).wrap());
     ui.separator();
     if kind.params().is_empty() {
         ui.weak("This kind has no parameters.");
@@ -188,7 +188,7 @@ fn parameter(ui: &mut Ui, panel: &mut Panel<'_>, ids: &[NodeId], param: &Param) 
     if param.widget.as_deref() == Some("seed") {
         remember(ui, ids, param, value);
     }
-    let label = format!("Set {}", param.name);
+    let label = format!("Set {}", path_of(panel.graph(), ids, param));
     let gesture = format!("set {:?}.{}", ids, param.name);
     panel.apply(&label, &gesture, |graph| ops::set(graph, ids, &param.name, next));
     if edited == Edited::Done {
@@ -216,7 +216,8 @@ fn parameter_menu(
     changed: bool,
 ) {
     if ui.add_enabled(changed && exposed.is_none(), egui::Button::new("Reset to default")).clicked() {
-        panel.apply("Reset", "", |g| ids.iter().try_for_each(|id| g.reset(*id, &param.name)));
+        let label = format!("Reset {}", path_of(panel.graph(), ids, param));
+        panel.apply(&label, "", |g| ids.iter().try_for_each(|id| g.reset(*id, &param.name)));
         panel.document.rest();
         ui.close();
     }
@@ -256,6 +257,14 @@ fn exposure(graph: &Graph, ids: &[NodeId], param: &Param) -> (String, Vec<String
         [param.name.clone(), long.clone()].into_iter().chain((2..).map(|n| format!("{long}_{n}")));
     let name = names.find(|n| !taken(n)).unwrap_or_default();
     (name, ids.iter().map(bind).collect())
+}
+
+/// What the history calls a parameter of nodes.
+fn path_of(graph: &Graph, ids: &[NodeId], param: &Param) -> String {
+    match ids {
+        [id] => format!("{}.{}", graph.node(*id).name, param.name),
+        _ => format!("{} of {} nodes", param.name, ids.len()),
+    }
 }
 
 /// The value that a parameter of a node has.

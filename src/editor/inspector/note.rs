@@ -7,6 +7,11 @@ use super::value::named;
 use crate::editor::theme::{CHOSEN, note_color};
 use crate::graph::NoteColor;
 
+/// Where the wish to type a title is left for the panel.
+pub(crate) fn focus_note() -> egui::Id {
+    egui::Id::new("title next")
+}
+
 /// Title, text and colour of a note.
 pub(crate) fn note_panel(ui: &mut Ui, panel: &mut Panel<'_>, name: &str) {
     let Some(own) = panel.graph().note(name).cloned() else { return };
@@ -14,6 +19,17 @@ pub(crate) fn note_panel(ui: &mut Ui, panel: &mut Panel<'_>, name: &str) {
     let title = egui::TextEdit::singleline(&mut next.title).hint_text("Title").char_limit(200);
     let title = ui.add(title.desired_width(f32::INFINITY));
     named(&title, egui::WidgetType::TextEdit, "Note title");
+    if ui.ctx().data_mut(|d| d.remove_temp::<bool>(focus_note())).is_some() {
+        title.request_focus();
+        // What is typed replaces the title that every note starts with.
+        if let Some(mut state) = egui::TextEdit::load_state(ui.ctx(), title.id) {
+            let end = egui::text::CCursor::new(next.title.chars().count());
+            state
+                .cursor
+                .set_char_range(Some(egui::text::CCursorRange::two(egui::text::CCursor::new(0), end)));
+            state.store(ui.ctx(), title.id);
+        }
+    }
     let text = egui::TextEdit::multiline(&mut next.text).hint_text("Text").desired_rows(6);
     let text = ui.add(text.desired_width(f32::INFINITY).char_limit(4000));
     named(&text, egui::WidgetType::TextEdit, "Note text");

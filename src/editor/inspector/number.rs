@@ -58,12 +58,15 @@ pub(super) fn edit(ui: &mut Ui, field: &Field<'_>, value: &mut Json) -> Edited {
         .smart_aim(true)
         .max_decimals(if range.integer { 0 } else { 4 })
         .integer_if(range.integer)
+        // What is typed counts once it is whole.
+        .update_while_editing(false)
         .suffix(suffix(field.unit));
     let moved = ui.add(slider);
     let hint = format!("{} to {}{}", range.min, range.max, suffix(field.unit));
     let moved = moved.on_hover_text(format!("{hint}; click the number to type"));
     named(&moved, egui::WidgetType::Slider, field.name);
-    if moved.changed() {
+    // A field that was only looked into says that it changed, too.
+    if moved.changed() && Some(number) != value.as_f64() {
         *value = written(number, &range);
     }
     Edited::of(&moved)
@@ -89,11 +92,13 @@ pub(super) fn bare(ui: &mut Ui, field: &Field<'_>, value: &mut Json) -> Edited {
     let drag = DragValue::new(&mut number)
         .range(range.min..=range.max)
         .speed(speed)
+        .update_while_editing(false)
         .max_decimals(if range.integer { 0 } else { 5 })
         .suffix(suffix(field.unit));
     let moved = ui.add(drag);
     named(&moved, egui::WidgetType::DragValue, field.name);
-    if moved.changed() {
+    // A field that was only looked into says that it changed, too.
+    if moved.changed() && Some(number) != value.as_f64() {
         *value = written(number, &range);
     }
     Edited::of(&moved)

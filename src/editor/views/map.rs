@@ -84,7 +84,7 @@ impl MapView {
         self.closer = whole.and_then(|whole| {
             let pixels = f64::from(view.zoom() * ui.pixels_per_point());
             let pixel = 1.0 / (unit(&shown.bounds) * pixels);
-            let factor = [2, 4, 8, 16].into_iter().rfind(|f| whole.cell() / f64::from(*f) >= 0.6 * pixel)?;
+            let factor = [2, 4, 8, 16].into_iter().rfind(|f| whole.cell() / f64::from(*f) >= 0.9 * pixel)?;
             let fine = whole.refined(factor);
             let corners = [view.screen.min, view.screen.max].map(|p| to_metres(view.world(p), shown));
             let seen = Grid::covering(fine.lattice, Bounds { min: corners[0], max: corners[1] });
@@ -132,7 +132,7 @@ impl MapView {
         drawing.show(&ui, &Flat { view, bounds, height }, &ground, pad);
         let Some(shown) = shown else { return };
         let pointer = ui.input(|i| i.pointer.hover_pos()).filter(|p| ground.hovered() && screen.contains(*p));
-        let inside = |d: &&Shown| pointer.is_some_and(|p| view.rect(extent(d, &bounds)).contains(p));
+        let inside = |d: &&Shown| pointer.is_none_or(|p| view.rect(extent(d, &bounds)).contains(p));
         let beyond = |_: &&Shown| pointer.is_some_and(|p| p.x > wipe.line(screen));
         let finer = board.detail.as_ref().filter(inside);
         let read = board.against.as_ref().filter(beyond).or(finer).unwrap_or(shown);
@@ -261,7 +261,7 @@ impl MapView {
         if ground.drag_stopped() {
             self.drawing = false;
         }
-        if let Some(line) = self.profile {
+        if let Some(line) = self.profile.filter(|_| self.charts) {
             let ends = line.map(|p| view.pos(from_metres(p, shown)));
             ui.painter().line_segment(ends, Stroke::new(4.0, Color32::from_black_alpha(160)));
             ui.painter().line_segment(ends, Stroke::new(2.0, theme::CHOSEN));
@@ -272,8 +272,11 @@ impl MapView {
         let mut parts = Vec::new();
         if let Some(pointer) = pointer {
             let at = to_metres(view.world(pointer), shown);
-            parts.push(format!("x {:.0} m  y {:.0} m", at[0], at[1]));
-            parts.extend(value_at(&shown.value, at));
+            let b = &shown.bounds;
+            if (0..2).all(|k| (b.min[k]..=b.max[k]).contains(&at[k])) {
+                parts.push(format!("x {:.0} m  y {:.0} m", at[0], at[1]));
+                parts.extend(value_at(&shown.value, at));
+            }
         }
         if shown.draft {
             parts.push("draft".to_owned());
@@ -294,16 +297,16 @@ impl MapView {
             ui.weak("Charts show fields.");
             return;
         };
-        let width = ui.available_width();
+        let Vec2 { x: width, y: height } = ui.available_size();
         ui.horizontal(|ui| {
-            let size = vec2(0.6 * width - 8.0, ui.available_height());
+            let size = vec2(0.6 * width - 8.0, height);
             match self.profile {
                 Some(line) => {
                     chart::profile(ui, size, &along(field, line), length(line), field.quantity().unit())
                 }
                 None => chart::hint(ui, size, "Shift-drag over the map for a profile"),
             }
-            chart::histogram(ui, vec2(0.4 * width - 8.0, ui.available_height()), field);
+            chart::histogram(ui, vec2(0.4 * width - 8.0, height), field);
         });
     }
 }

@@ -42,7 +42,7 @@ impl Space for Flat<'_> {
     }
 
     fn rise(&self, _: [f64; 3]) -> f64 {
-        let relief = self.height.and_then(Field::range).map_or(0.0, |(low, high)| f64::from(high - low));
+        let relief = self.relief();
         if relief > 0.0 { relief.max(20.0) / REACH } else { RELIEF / REACH }
     }
 
@@ -52,5 +52,13 @@ impl Space for Flat<'_> {
 
     fn hides(&self, _: [f64; 3]) -> bool {
         false
+    }
+
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    fn relief(&self) -> f64 {
+        self.height.and_then(Field::range).map_or(0.0, |(low, high)| f64::from(high - low))
     }
 }

@@ -34,6 +34,23 @@ fn saves_where_it_is_asked_to() {
 }
 
 #[test]
+fn a_system_without_dialogs_has_the_path_typed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = preset(folder.path());
+    let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::no_dialogs());
+    let mut window = Window::of(Setup { path: Some(path), home: None, asker, ..Setup::default() });
+    window.keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    window.steps(3);
+    let to = folder.path().join("copy.graph");
+    window.keys(Modifiers::COMMAND, Key::A);
+    window.text(to.to_str().unwrap());
+    window.key(Key::Enter);
+    window.steps(3);
+    assert!(std::fs::read(&to).unwrap() == window.graph().to_bytes());
+    assert_eq!(window.editor().document().path(), Some(&*to));
+}
+
+#[test]
 fn opening_a_graph_writes_nothing_beside_it() {
     let folder = tempfile::tempdir().unwrap();
     let home = tempfile::tempdir().unwrap();

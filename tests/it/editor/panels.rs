@@ -59,3 +59,28 @@ fn outputs_and_texts() {
     window.click("New graph");
     assert_eq!(window.graph().nodes().len(), 0);
 }
+
+#[test]
+fn a_long_number_does_not_push_the_panel() {
+    let mut window = Window::empty();
+    window.add(ground(20.0, 30.0), "fractal");
+    window.click("node fractal_noise");
+    let before = window.rect("map view");
+    window.type_into("feature_size", "999999.25");
+    window.steps(20);
+    assert_eq!(window.rect("map view"), before);
+}
+
+#[test]
+fn charts_have_room() {
+    let mut window = Window::empty();
+    window.add(ground(20.0, 30.0), "fractal");
+    window.settle();
+    let before = window.rect("map view");
+    window.click("Charts");
+    window.steps(5);
+    let after = window.rect("map view");
+    let canvas = window.rect("canvas");
+    assert!(before.height() - after.height() > 80.0, "{before} {after}");
+    assert!(canvas.top() - after.bottom() > 80.0, "{canvas} {after}");
+}

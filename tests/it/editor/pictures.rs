@@ -88,7 +88,7 @@ fn painting_and_colours() {
     window.hover(ground(500.0, 0.0));
     window.key(Key::M);
     window.settle();
-    let middle = window.0.get_by_label("map view").rect().center();
+    let middle = window.rect("map view").center();
     let at = |x: f32, y: f32| middle + vec2(x, y);
     let way: Vec<Pos2> =
         (0..=24).map(|k| at(-60.0 + 5.0 * k as f32, 30.0 * libm::sinf(k as f32 * 0.4))).collect();

@@ -80,3 +80,14 @@ fn more_memory_than_the_budget_is_asked_for() {
     window.settle();
     assert!(window.editor().shown_range().is_some(), "it was allowed");
 }
+
+#[test]
+fn what_was_shown_stays_when_nothing_is_chosen() {
+    let mut window = Window::empty();
+    window.add(ground(20.0, 30.0), "fractal");
+    window.settle();
+    let shown = window.editor().shown_range();
+    window.press(ground(700.0, 200.0));
+    window.settle();
+    assert!(shown.is_some() && window.editor().shown_range() == shown);
+}

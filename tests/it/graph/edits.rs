@@ -135,7 +135,7 @@ fn refusals_name_the_place_and_the_nearest_name() {
     graph.connect(height, "field", more, "a").unwrap();
     refused(
         graph.connect(more, "field", height, "mask"),
-        "node `height`, input `mask`: cannot read `more.field`: that would close a cycle, `height` → `more` → `height`",
+        "node `height`, input `mask`: cannot read `more.field`: that would close a cycle, `height` > `more` > `height`",
     );
     graph.remove(more).unwrap();
     graph.remove(flow).unwrap();

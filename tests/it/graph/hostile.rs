@@ -130,7 +130,7 @@ fn cycles_are_named_and_stop_only_what_reads_them() {
     let told = errors(&graph);
     assert_eq!(
         told,
-        ["node `a`: is on a cycle: `a` → `b` → `c` → `a`", "node `self`: is on a cycle: `self` → `self`",]
+        ["node `a`: is on a cycle: `a` > `b` > `c` > `a`", "node `self`: is on a cycle: `self` > `self`",]
     );
     assert_eq!(graph.order().unwrap_err().to_string(), told[0]);
     let free = graph.order_of(&[id(&graph, "free")]).unwrap();
@@ -153,7 +153,7 @@ fn a_long_chain_and_a_long_cycle_need_no_stack() {
     let told = errors(&graph);
     assert_eq!(told.len(), 1);
     assert!(
-        told[0].contains("node `n0`: is on a cycle: `n0` → `n19999`") && told[0].contains("more) …"),
+        told[0].contains("node `n0`: is on a cycle: `n0` > `n19999`") && told[0].contains("more) …"),
         "{}",
         told[0]
     );

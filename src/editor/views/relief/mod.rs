@@ -178,7 +178,8 @@ impl ReliefView {
         let unit = (2.0 * half(grid.cols.max(grid.rows))).max(1e-3);
         let reach = 0.5 * (high - low) * self.exaggeration;
         if std::mem::take(&mut self.fit) {
-            let half = Vec3::new(-corner[0], -corner[1], reach.max(0.0)) / unit;
+            // The block goes on below the lowest ground.
+            let half = Vec3::new(-corner[0], -corner[1], reach.max(0.0)) / unit + Vec3::new(0.0, 0.0, 0.04);
             self.orbit = Orbit::default().fitted(half, size.x / size.y.max(1.0));
         }
         let to_screen = self.orbit.projection(size.x / size.y.max(1.0), unit);

@@ -135,6 +135,14 @@ impl Space for Deep<'_> {
         1.0 / f64::from(share).max(1e-9)
     }
 
+    fn is_flat(&self) -> bool {
+        false
+    }
+
+    fn relief(&self) -> f64 {
+        self.range[1] - self.range[0]
+    }
+
     fn hides(&self, at: [f64; 3]) -> bool {
         let to = self.inside(at) - self.eye;
         let Some([from, end]) = to.try_normalize().and_then(|ray| self.stretch(ray)) else { return false };
