@@ -107,9 +107,15 @@ impl Editor {
             if !edit.has_focus() && !edit.lost_focus() {
                 edit.request_focus();
             }
-            done |= edit.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
+            let replaces = purpose == FileFor::SaveAs
+                && std::path::Path::new(text.trim()).exists()
+                && self.document.path() != Some(std::path::Path::new(text.trim()));
+            if replaces {
+                ui.colored_label(super::theme::WARNING, "There is a file of this name.");
+            }
+            done |= !replaces && edit.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
             ui.horizontal(|ui| {
-                done |= ui.button(button).clicked();
+                done |= ui.button(if replaces { "Replace it" } else { button }).clicked();
                 cancelled = ui.button("Cancel").clicked();
             });
         });

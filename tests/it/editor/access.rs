@@ -63,6 +63,16 @@ fn every_control_has_a_name() {
     window.hover(ground(300.0, 200.0));
     window.key(Key::Tab);
     look(&window, "search");
+    window.key(Key::Escape);
+    window.view("Relief");
+    look(&window, "relief");
+    let mountain = folder.path().join("mountain.graph");
+    std::fs::copy("graphs/mountain.graph", &mountain).unwrap();
+    let mut window = Window::on(&mountain);
+    window.click("node curves");
+    window.click("stream 1");
+    window.click("at 0.00");
+    look(&window, "curves");
     assert!(faults.is_empty(), "{} without a name:\n{}", faults.len(), faults.join("\n"));
 }
 

@@ -48,6 +48,17 @@ fn a_system_without_dialogs_has_the_path_typed() {
     window.steps(3);
     assert!(std::fs::read(&to).unwrap() == window.graph().to_bytes());
     assert_eq!(window.editor().document().path(), Some(&*to));
+    let other = folder.path().join("other.graph");
+    std::fs::write(&other, "somebody's").unwrap();
+    window.keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    window.steps(3);
+    window.keys(Modifiers::COMMAND, Key::A);
+    window.text(other.to_str().unwrap());
+    window.key(Key::Enter);
+    window.steps(3);
+    assert_eq!(std::fs::read(&other).unwrap(), b"somebody's", "a file that is there is asked about");
+    window.click("Replace it");
+    assert!(std::fs::read(&other).unwrap() == window.graph().to_bytes());
 }
 
 #[test]
