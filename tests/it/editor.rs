@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, pos2, vec2};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
+use eframe::wgpu::DeviceType;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
@@ -24,7 +25,8 @@ use orograph::engine::Options;
 use orograph::graph::Graph;
 
 /// A window, and the editor in it once the first frame was drawn.
-pub(crate) struct Window(Harness<'static, Option<Editor>>);
+/// The flag says whether its pictures are those of a software device, which are the same on every machine.
+pub(crate) struct Window(Harness<'static, Option<Editor>>, bool);
 
 pub(crate) const PRESET: &str = "graphs/first_light.graph";
 
@@ -103,11 +105,12 @@ impl Window {
         };
         let builder = Harness::builder().with_size([1280.0, 800.0]).with_step_dt(1.0 / 30.0);
         let builder = builder.with_pixels_per_point(density);
+        let software = device.as_ref().is_some_and(|d| d.adapter.get_info().device_type == DeviceType::Cpu);
         let builder = match device {
             Some(device) => builder.renderer(WgpuTestRenderer::from_render_state(device)),
             None => builder,
         };
-        let mut window = Self(builder.build_ui_state(frame, None));
+        let mut window = Self(builder.build_ui_state(frame, None), software);
         window.steps(3);
         window
     }

@@ -19,6 +19,12 @@ fn picture(window: &mut Window, name: &str) {
 /// Compares with the picture of the name.
 fn compare(window: &mut Window, name: &str) {
     picture(window, name);
+    if !window.1 {
+        // Other devices draw edges in their own way. CI has the software device and compares.
+        println!("NOT COMPARED: `{name}` was not drawn by a software device");
+        assert!(std::env::var_os("CI").is_none(), "CI compares pictures: it needs Mesa's software Vulkan");
+        return;
+    }
     let options = SnapshotOptions::new().threshold(1.5).max_failed_pixels(LOOSE);
     window.0.snapshot_options(name, &options);
 }
