@@ -6,28 +6,26 @@ use eframe::egui::{self, Context, Ui};
 use eframe::wgpu::TextureFormat;
 
 use super::ask::{Answer, Asker, Given, Question, system};
-use super::board::{Measured, Scenery};
 use super::build::BuildDialog;
 use super::canvas::{Canvas, Desk};
 use super::command::Command;
 use super::dialogs::Dialog;
 use super::document::Document;
 use super::drawing::{Drawing, Pad};
-use super::evaluator::{Evaluator, Order};
+use super::evaluator::Evaluator;
 use super::notices::Notices;
 use super::panels::Tab;
 use super::recovery::{Claim, Keeper};
 use super::settings::Settings;
-use super::shade::{Light, Mode};
 use super::theme;
 use super::views::map::MapView;
 use super::views::relief::ReliefView;
 use super::views::wipe::Wipe;
 use super::watch::FileWatch;
+use super::wish::Ordered;
 use crate::engine::Options;
 use crate::graph::{Graph, NodeId, Source};
 use crate::nodes::Registry;
-use crate::value::{Grid, WireType};
 
 /// How an editor starts.
 pub struct Setup {
@@ -92,22 +90,11 @@ pub struct Editor {
     pub(super) keeper: Option<Keeper>,
     pub(super) claim: Option<Claim>,
     pub(super) watch: Option<FileWatch>,
-    map_pixels: egui::Vec2,
+    pub(super) map_pixels: egui::Vec2,
     title: String,
     pub(super) options: Options,
     /// What a window that is being closed waits for.
     pub(super) closing: bool,
-}
-
-/// The last order, to see whether another is due.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Ordered {
-    state: u64,
-    scene: Option<Scenery>,
-    light: Option<Light>,
-    detail: Option<Grid>,
-    build: Option<Measured>,
-    accepted: Option<u64>,
 }
 
 /// Which view is shown.
@@ -218,80 +205,6 @@ impl Editor {
 
     pub(super) fn set_theme(&self, ctx: &Context) {
         ctx.set_theme(if self.settings.dark { egui::Theme::Dark } else { egui::Theme::Light });
-    }
-
-    /// The node that the view shows: the pinned one, else the only chosen one, else the one before.
-    pub(super) fn shown_node(&self) -> Option<NodeId> {
-        let graph = self.document.graph();
-        let all = [self.pinned, self.canvas.chosen.lone(), self.last];
-        all.into_iter().flatten().find(|id| graph.get(*id).is_some())
-    }
-
-    /// The output that the view shows.
-    pub(super) fn target(&self) -> Option<Source> {
-        let node = self.shown_node()?;
-        let outputs = self.document.graph().get(node)?.kind()?.outputs;
-        let named = self.output.and_then(|name| outputs.iter().find(|p| p.name == name));
-        Some(Source { node, port: named.or(outputs.first())?.name })
-    }
-
-    /// What the shown terrain is compared with: the chosen node where another is pinned, else what goes into the shown
-    /// one.
-    pub(super) fn against(&self) -> Option<Source> {
-        let target = self.target().filter(|_| self.wipe.on)?;
-        let graph = self.document.graph();
-        let other = self.canvas.chosen.lone().filter(|id| *id != target.node);
-        let of_chosen = other.and_then(|node| {
-            let port = graph.get(node)?.kind()?.outputs.iter().find(|p| p.wire == WireType::Field)?;
-            Some(Source { node, port: port.name })
-        });
-        let before = || {
-            let input = graph.get(target.node)?.kind()?.bridge(target.port)?;
-            graph.source(target.node, input)
-        };
-        of_chosen.or_else(before)
-    }
-
-    fn scene(&self) -> Option<Scenery> {
-        let target = self.target()?;
-        let graph = self.document.graph();
-        let drape = self.drape.filter(|s| graph.wire_type(*s).is_some());
-        let size = self.map.wanted(self.map_pixels);
-        let tint = self.drawing.painted(graph).filter(|s| *s != target);
-        Some(Scenery { target, against: self.against(), drape, tint, size, look: self.map.look })
-    }
-
-    fn wish(&self) -> Ordered {
-        let lit = self.view == Page::Relief && self.map.look.mode == Mode::Relief && !self.map.look.contours;
-        let building = matches!(self.dialog, Dialog::Build);
-        Ordered {
-            state: self.document.state(),
-            scene: self.scene(),
-            detail: self.map.closer().filter(|_| self.view == Page::Map),
-            light: lit.then_some(self.relief.light),
-            build: building.then(|| self.build.measured(self.document.state())),
-            accepted: self.accepted,
-        }
-    }
-
-    /// Orders what the window would like to see, when that has changed.
-    fn order(&mut self) {
-        let wish = self.wish();
-        if self.ordered.as_ref() == Some(&wish) {
-            return;
-        }
-        let Some(evaluator) = &self.evaluator else { return };
-        evaluator.order(Order {
-            graph: self.document.shared(),
-            state: wish.state,
-            scene: wish.scene,
-            light: wish.light,
-            detail: wish.detail,
-            in_sight: self.canvas.in_sight.clone(),
-            build: wish.build.clone(),
-            whatever_it_takes: self.accepted == Some(wish.state),
-        });
-        self.ordered = Some(wish);
     }
 
     /// One frame of the window.

@@ -36,6 +36,7 @@ mod views;
 mod watch;
 mod watcher;
 mod welcome;
+mod wish;
 
 use std::path::PathBuf;
 use std::sync::Arc;

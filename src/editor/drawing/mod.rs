@@ -199,8 +199,7 @@ impl Drawing {
         }
     }
 
-    /// Puts a new drawing into the document.
-    /// True when it was taken.
+    /// Puts a new drawing into the document; true when it was taken.
     fn write(&self, pad: &mut Pad<'_>, label: &str, gesture: Option<&str>, sheet: &Sheet) -> bool {
         let Some(Known { node, param, .. }) = &self.known else { return false };
         let (node, value) = (*node, sheet.json());
