@@ -137,13 +137,7 @@ impl MapView {
         let finer = board.detail.as_ref().filter(inside);
         let read = board.against.as_ref().filter(beyond).or(finer).unwrap_or(shown);
         self.read_out(&ui, &view, screen, pointer, read);
-        if let Some((_, why)) = &board.failure {
-            let text = format!("This is not up to date: {why}");
-            let painter = ui.painter();
-            let galley =
-                painter.layout(text, FontId::proportional(13.0), theme::ERROR, screen.width() - 24.0);
-            painter.galley(screen.left_top() + vec2(12.0, 12.0), galley, theme::ERROR);
-        }
+        super::stale(&ui, screen, board);
     }
 
     /// The picture of what is shown, its finer part, and what it is compared with.

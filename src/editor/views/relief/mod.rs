@@ -128,6 +128,7 @@ impl ReliefView {
             range: range.map(f64::from),
         };
         drawing.show(&ui, &space, &ground, pad);
+        super::stale(&ui, rect, board);
         if shown.is_some_and(|s| s.draft) {
             let at = rect.left_bottom() + vec2(12.0, -10.0);
             ui.painter().text(at, Align2::LEFT_BOTTOM, "draft", FontId::monospace(12.0), Color32::WHITE);
