@@ -198,6 +198,12 @@ impl Editor {
         self.evaluator.as_ref().map_or(0, |e| e.board().showings)
     }
 
+    /// The lowest and highest value on the small picture of a node.
+    pub fn thumbnail_range(&self, node: &str) -> Option<(f32, f32)> {
+        let id = self.document.graph().find(node)?;
+        self.evaluator.as_ref()?.board().thumbnails.get(&id)?.range
+    }
+
     /// How many nodes have a picture.
     pub fn thumbnails(&self) -> usize {
         self.evaluator.as_ref().map_or(0, |e| e.board().thumbnails.len())

@@ -91,3 +91,19 @@ fn what_was_shown_stays_when_nothing_is_chosen() {
     window.settle();
     assert!(shown.is_some() && window.editor().shown_range() == shown);
 }
+
+#[test]
+fn a_bypassed_node_shows_what_it_passes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Window::on(&preset(folder.path()));
+    window.settle();
+    let range = |w: &Window, node: &str| w.editor().thumbnail_range(node);
+    assert!(range(&window, "bent").is_some() && range(&window, "bent") != range(&window, "range"));
+    window.click("node bent");
+    window.key(Key::B);
+    window.settle();
+    assert_eq!(range(&window, "bent"), range(&window, "range"));
+    window.key(Key::B);
+    window.settle();
+    assert_ne!(range(&window, "bent"), range(&window, "range"));
+}
