@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use divan::counter::{BytesCount, ItemsCount};
 use divan::{Bencher, bench, black_box};
-use orograph::files::{Encoding, Format, Limits, Relief, Request, WriteJob, encode, fill_voids, read_height};
+use orograph::files::{Encoding, Format, Limits, Relief, Request, WriteJob, Writing, encode, fill_voids, read_height};
 use orograph::value::{Field, Grid, Lattice, Quantity, Terrain, Value};
 
 fn main() {
@@ -41,10 +41,8 @@ fn hills(size: usize) -> Value {
 
 fn written(value: &Value, format: Format) -> (Vec<u8>, Option<Vec<u8>>) {
     let terrain = Terrain::default();
-    let job = WriteJob {
-        range: Some([-500.0, 2500.0]),
-        ..WriteJob::new(value, format, &terrain, *value.grid().expect("a raster"))
-    };
+    let writing = Writing { range: Some([-500.0, 2500.0]), ..format.into() };
+    let job = WriteJob::new(value, writing, &terrain, *value.grid().expect("a raster"));
     let mut out = Cursor::new(Vec::new());
     let written = encode(&job, &mut out).expect("writes");
     (out.into_inner(), written.sidecar.map(|j| j.to_string().into_bytes()))

@@ -7,7 +7,7 @@ use cap_std::fs::Dir;
 
 use super::exit::{Exit, Stop, save, tell};
 use crate::files::{
-    Encoding, FileJob, Format, Limits, encode_file, read_height_as, sidecar_name, write_atomic,
+    Encoding, Format, Limits, Watch, Writing, encode_file, read_height_as, sidecar_name, write_atomic,
 };
 use crate::node::Cancel;
 
@@ -69,19 +69,14 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
         file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
     }
     cancel.check().map_err(|e| Stop::new(Exit::Cancelled, e))?;
-    let job = FileJob {
-        range,
-        clip: args.clip,
-        flip: args.flip,
-        cancel: Some(cancel),
-        ..FileJob::new(&file, format)
-    };
+    let watch = Watch { cancel: Some(cancel), ..Watch::default() };
+    let writing = Writing { range, clip: args.clip, flip: args.flip, watch, ..format.into() };
     let folder = args.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let cannot =
         |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot open {}: {e}", folder.display()));
     let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
-    let (_, written) =
-        write_atomic(&dir, &name, |out| encode_file(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
+    let (_, written) = write_atomic(&dir, &name, |out| encode_file(&file, &writing, out))
+        .map_err(|e| Stop::new(Exit::Failed, e))?;
     if let Some(sidecar) = &written.sidecar {
         save(&folder.join(sidecar_name(&name)), format!("{sidecar:#}\n").as_bytes())?;
     }

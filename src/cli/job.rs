@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 
 use super::exit::{Exit, Stop};
 use crate::engine::Want;
-use crate::files::{Format, Target, WriteJob, encode, sidecar_name, write_atomic};
+use crate::files::{Format, Target, WriteJob, Writing, encode, sidecar_name, write_atomic};
 use crate::graph::{Graph, Output, Problem, Source};
 use crate::value::{Grid, Quantity, Terrain, Value};
 
@@ -134,14 +134,15 @@ impl Job {
         folder: &Dir,
     ) -> Result<Entry, Stop> {
         let file = self.file(tile, many);
-        let job = WriteJob {
+        let writing = Writing {
             range: self.range,
             clip: self.output.clip,
             flip: self.output.flip || self.target.is_some_and(Target::flip),
             target: self.target,
-            tile: many.then_some(tile.place),
-            ..WriteJob::new(value, self.format(), terrain, *whole)
+            ..self.format().into()
         };
+        let tiled = many.then_some(tile.place);
+        let job = WriteJob { tile: tiled, ..WriteJob::new(value, writing, terrain, *whole) };
         let (stamp, written) =
             write_atomic(folder, &file, |out| encode(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
         let notes = written.notes;

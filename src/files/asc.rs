@@ -4,27 +4,69 @@ use std::str::FromStr;
 
 use rayon::prelude::*;
 
-use super::error::Fault;
-use super::format::Source;
-use super::height::{HeightFile, Limits, Origin};
+use super::bands::{self, Band, Split};
+use super::codec::{Codec, Form, Format};
+use super::error::{Fault, WriteError};
+use super::height::{HeightFile, Origin};
+use super::input::{Claim, Input};
 use super::place::{Affine, Anchor, Placement, Units};
+use super::sheet::{Sheet, Sink, unfit};
+use super::watch::Watch;
+use super::write::Written;
+
+pub(super) static CODEC: Codec = Codec {
+    name: "Esri ASCII grid",
+    extensions: &["asc"],
+    magic: &[],
+    companions: &[],
+    claim,
+    read,
+    reads: "Esri ASCII grid: corner or centre, `cellsize` or `dx` and `dy`, decimal points or commas, comments",
+    metres: "yes",
+    place: "yes, without EPSG code",
+};
+
+pub(super) static TEXT: Form = Form {
+    name: "asc",
+    by_extension: true,
+    levels: None,
+    channels: &[1],
+    sidecar: false,
+    flips: false,
+    voids: true,
+    write,
+    holds: "Esri ASCII grid, every number to the bit",
+    purpose: "old GIS",
+};
 
 /// Bytes of text that one task parses.
 const PIECE: usize = 1 << 20;
 
-/// Reads a grid.
-pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<HeightFile, Fault> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+fn header_and_body<'a>(input: &Input<'a>) -> Result<(Header, &'a [u8]), Fault> {
+    let bytes = input.bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(input.bytes);
     let (header, body) = Header::parse(bytes)?;
-    let total = limits.samples(header.cols, header.rows)?;
+    let total = input.limits.samples(header.cols, header.rows)?;
     // A number takes a digit and, but for the last, a blank.
     let want = 2 * total as u64 - 1;
     if want > body.len() as u64 {
         return Err(Fault::Short { what: "that many numbers", want, found: body.len() as u64 });
     }
-    let data = numbers(body, total, header.nodata)?;
+    Ok((header, body))
+}
+
+/// What the header claims.
+fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
+    let (header, _) = header_and_body(input)?;
+    // The pieces are put together at the end, so that the heights stand there twice.
+    Claim::new(input, [header.cols, header.rows], header.cols * header.rows * 4)
+}
+
+/// Reads a grid.
+fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
+    let (header, body) = header_and_body(input)?;
     let (cols, rows) = (header.cols as usize, header.rows as usize);
-    let mut origin = Origin::new(Source::Asc, "text");
+    let data = numbers(body, cols * rows, header.nodata, &input.watch)?;
+    let mut origin = Origin::new(&CODEC, "text");
     origin.nodata = header.nodata;
     Ok(HeightFile { cols, rows, data, metres: true, placement: header.placement([cols, rows]), origin })
 }
@@ -128,9 +170,15 @@ fn parse<T: FromStr>(word: &[u8]) -> Option<T> {
 }
 
 /// All numbers, voids as NaN.
-fn numbers(body: &[u8], total: usize, nodata: Option<f64>) -> Result<Vec<f32>, Fault> {
+fn numbers(body: &[u8], total: usize, nodata: Option<f64>, watch: &Watch<'_>) -> Result<Vec<f32>, Fault> {
     let pieces = pieces(body);
-    let parsed: Result<Vec<Vec<f32>>, Fault> = pieces.par_iter().map(|p| piece(p, nodata)).collect();
+    let parsed: Result<Vec<Vec<f32>>, Fault> = pieces
+        .par_iter()
+        .map(|p| {
+            watch.go_on()?;
+            piece(p, nodata)
+        })
+        .collect();
     let parsed = parsed?;
     let found: usize = parsed.iter().map(Vec::len).sum();
     if found != total {
@@ -168,7 +216,7 @@ fn piece(text: &[u8], nodata: Option<f64>) -> Result<Vec<f32>, Fault> {
 }
 
 /// The text of a grid's first lines.
-pub(super) fn header(size: [usize; 2], placement: &Placement, nodata: Option<f64>) -> String {
+fn header(size: [usize; 2], placement: &Placement, nodata: Option<f64>) -> String {
     use std::fmt::Write;
     let step = |a: &Affine| [libm::hypot(a.col[0], a.col[1]), libm::hypot(a.row[0], a.row[1])];
     let [dx, dy] = placement.affine.as_ref().map(step).or(placement.cell).unwrap_or([1.0, 1.0]);
@@ -187,7 +235,7 @@ pub(super) fn header(size: [usize; 2], placement: &Placement, nodata: Option<f64
 }
 
 /// Appends a row of numbers, each the shortest that reads back to the bit.
-pub(super) fn append_row(row: &[f32], nodata: f64, out: &mut Vec<u8>) {
+fn append_row(row: &[f32], nodata: f64, out: &mut Vec<u8>) {
     use std::io::Write;
     for (i, &v) in row.iter().enumerate() {
         let blank = if i == 0 { "" } else { " " };
@@ -201,4 +249,26 @@ pub(super) fn append_row(row: &[f32], nodata: f64, out: &mut Vec<u8>) {
         };
     }
     out.push(b'\n');
+}
+
+fn write(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
+    let upright = sheet.placement.affine.is_none_or(|a| a.is_upright() && a.col[0] > 0.0 && a.row[1] < 0.0);
+    if !upright {
+        return Err(unfit(Format::Asc, "a grid that is turned", "tiff can"));
+    }
+    let nodata = match sheet.nodata {
+        Some(v) if v.is_finite() => Some(v),
+        _ => sheet.has_voids().then_some(-9999.0),
+    };
+    let void = nodata.unwrap_or(-9999.0);
+    out.write_all(header([sheet.cols, sheet.rows], &sheet.placement, nodata).as_bytes())?;
+    let make = |band: Band| {
+        let mut text = Vec::with_capacity(band.rows * sheet.cols * 9);
+        (band.first_row..band.first_row + band.rows).for_each(|j| append_row(sheet.row(j), void, &mut text));
+        text
+    };
+    let split = Split::new(sheet.rows, sheet.cols * 9);
+    bands::in_order(&split, &sheet.writing.watch, make, |_, text| out.write_all(&text))?;
+    let lost = sheet.placement.epsg.map(|epsg| format!("an .asc cannot say that it lies in EPSG:{epsg}"));
+    Ok(Written { notes: lost.into_iter().collect(), ..Written::default() })
 }

@@ -8,7 +8,7 @@ use flate2::{Compress, Compression, FlushCompress, Status};
 use rayon::prelude::*;
 
 use super::error::WriteError;
-use crate::node::Cancel;
+use super::watch::Watch;
 
 /// Bytes of a band before it is pressed: long enough that closing it costs nothing, short enough to share out.
 const BAND_BYTES: usize = 1 << 18;
@@ -55,25 +55,6 @@ impl Split {
     }
 }
 
-/// Who wants to know how far the writing is, and may stop it.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Watch<'a> {
-    pub(super) cancel: Option<&'a Cancel>,
-    pub(super) progress: Option<&'a (dyn Fn(f32) + Sync)>,
-}
-
-impl Watch<'_> {
-    pub(super) fn check(&self, done: f32) -> Result<(), WriteError> {
-        if let Some(progress) = self.progress {
-            progress(done);
-        }
-        match self.cancel {
-            Some(cancel) if cancel.is_cancelled() => Err(WriteError::Cancelled),
-            _ => Ok(()),
-        }
-    }
-}
-
 /// Makes something of every band in parallel and takes the results in order, a few bands in memory at a time.
 pub(super) fn in_order<T: Send>(
     split: &Split,
@@ -90,7 +71,7 @@ pub(super) fn in_order<T: Send>(
             take(split.band(first + i), made)?;
         }
     }
-    watch.check(1.0)
+    Ok(watch.check(1.0)?)
 }
 
 /// Deflates a part of a stream: the parts one after the other are one stream.

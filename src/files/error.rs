@@ -2,6 +2,8 @@
 
 use std::io;
 
+use super::codec::Codec;
+use super::watch::Stopped;
 use crate::params::did_you_mean;
 
 /// Why a height file could not be read, and which file it was.
@@ -71,13 +73,23 @@ pub enum Fault {
     /// The content is of a kind that is not read.
     #[error("not supported: {0}")]
     Unsupported(String),
+    /// The machine, or the limit it was started under, has no room for it.
+    #[error("takes {bytes} bytes of memory, more than there are")]
+    NoMemory {
+        /// Bytes that were asked for.
+        bytes: u64,
+    },
+    /// The work was asked to stop.
+    #[error("cancelled")]
+    Cancelled,
     /// The JSON file beside it cannot be used.
     #[error("its sidecar {0}")]
     Sidecar(String),
 }
 
 impl Fault {
-    pub(super) fn extension(name: &str, known: &[&str]) -> Self {
+    pub(super) fn extension(name: &str) -> Self {
+        let known: Vec<_> = Codec::all_extensions().collect();
         let (found, hint) = match extension_of(name) {
             Some(e) => (format!("`.{e}`"), did_you_mean(&e, known.iter().copied())),
             None => ("a name without extension".to_owned(), String::new()),
@@ -98,6 +110,18 @@ impl Fault {
     }
 }
 
+impl From<Stopped> for Fault {
+    fn from(_: Stopped) -> Self {
+        Self::Cancelled
+    }
+}
+
+impl From<Stopped> for WriteError {
+    fn from(_: Stopped) -> Self {
+        Self::Cancelled
+    }
+}
+
 /// The extension of a file name, in lower case.
 pub(super) fn extension_of(name: &str) -> Option<String> {
     let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
@@ -115,7 +139,7 @@ pub enum WriteError {
         /// What it was to hold.
         what: String,
         /// What would do.
-        instead: &'static str,
+        instead: String,
     },
     /// A format of integers needs to know which values its lowest and highest number stand for.
     #[error("{format} needs a range: which {unit} its lowest and its highest number stand for")]

@@ -1,14 +1,14 @@
 //! A height file in memory, and which reader reads it.
 
-use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::codec::Codec;
 use super::error::{Fault, ReadError};
-use super::format::Source;
+use super::input::{Companion, Input};
 use super::place::Placement;
-use super::sidecar::Sidecar;
-use super::{asc, exr, hgt, png, raw, tiff};
+use super::reading::Reading;
+use super::watch::Watch;
 
 /// The most that a file may claim before memory is taken for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,9 +25,6 @@ impl Default for Limits {
         Self { samples: 1 << 30, side: 1 << 18 }
     }
 }
-
-/// Numbers beyond it mark voids in many files; no height is near it.
-const FARTHEST: f32 = 1e30;
 
 /// More than any compression of heights in use can squeeze out of a byte; deflate reaches 1032.
 const MOST_COMPRESSED: u64 = 4096;
@@ -90,7 +87,7 @@ pub struct HeightFile {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Origin {
     /// The format.
-    pub format: Source,
+    pub format: &'static Codec,
     /// The type of its samples: `u8 u16 i16 u32 i32 f16 f32 f64`, `text` or `terrarium`.
     pub sample: &'static str,
     /// Whether each sample is one number of the type, neither scaled nor moved.
@@ -106,7 +103,7 @@ pub struct Origin {
 }
 
 impl Origin {
-    pub(super) fn new(format: Source, sample: &'static str) -> Self {
+    pub(super) fn new(format: &'static Codec, sample: &'static str) -> Self {
         Self { format, sample, plain: true, range: None, nodata: None, bands: 1, notes: Vec::new() }
     }
 }
@@ -149,26 +146,6 @@ pub fn read_height(
     read_height_as(name, bytes, sidecar, limits, Encoding::Auto)
 }
 
-/// The size a height file claims, as columns and rows, from its header alone.
-///
-/// # Errors
-/// Those of [`read_height`] that show before the first sample.
-pub fn claimed_size(
-    name: &str,
-    bytes: &[u8],
-    sidecar: Option<&[u8]>,
-    limits: &Limits,
-) -> Result<[u64; 2], ReadError> {
-    // Every reader holds the claim against the limits before it takes memory, and tells what was claimed.
-    let [cols, rows] = match read_height(name, bytes, sidecar, &Limits { samples: 0, side: 0 }) {
-        Err(ReadError { fault: Fault::Size { cols, rows, .. }, .. }) => [cols, rows],
-        Err(other) => return Err(other),
-        Ok(file) => [file.cols as u64, file.rows as u64],
-    };
-    limits.samples(cols, rows).map_err(|fault| fault.of(name))?;
-    Ok([cols, rows])
-}
-
 /// Reads a height file whose pixels, if it is a PNG, hold heights in a known way; else as [`read_height`].
 ///
 /// # Errors
@@ -180,36 +157,33 @@ pub fn read_height_as(
     limits: &Limits,
     encoding: Encoding,
 ) -> Result<HeightFile, ReadError> {
-    read(name, bytes, sidecar, limits, encoding).map_err(|fault| fault.of(name))
+    let companions: Vec<_> = sidecar.map(|bytes| Companion { name: ".json", bytes }).into_iter().collect();
+    let reading = encoding.into();
+    let watch = Watch::default();
+    Input { name, bytes, companions: &companions, reading: &reading, limits, watch }.read()
 }
 
-fn read(
+/// The size a height file claims, as columns and rows, from its header alone.
+///
+/// # Errors
+/// Those of [`read_height`] that show before the first sample.
+pub fn claimed_size(
     name: &str,
     bytes: &[u8],
     sidecar: Option<&[u8]>,
     limits: &Limits,
-    encoding: Encoding,
-) -> Result<HeightFile, Fault> {
-    let source = Source::of_name(name).ok_or_else(|| Fault::extension(name, &Source::EXTENSIONS))?;
-    let content = Source::of_content(bytes);
-    if content.is_some_and(|c| c != source) || (content.is_none() && source.has_magic()) {
-        let found = content.map_or("something else", Source::name);
-        return Err(Fault::Magic { named: source.name(), found });
+) -> Result<[u64; 2], ReadError> {
+    let companions: Vec<_> = sidecar.map(|bytes| Companion { name: ".json", bytes }).into_iter().collect();
+    let (reading, watch) = (Reading::default(), Watch::default());
+    let input = Input { name, bytes, companions: &companions, reading: &reading, limits, watch };
+    input.claim().map(|claim| [claim.cols, claim.rows])
+}
+
+/// An empty vector with room for some values, or the word that there is none.
+pub(super) fn room<T>(count: usize) -> Result<Vec<T>, Fault> {
+    let mut values = Vec::new();
+    match values.try_reserve_exact(count) {
+        Ok(()) => Ok(values),
+        Err(_) => Err(Fault::NoMemory { bytes: (count as u64).saturating_mul(size_of::<T>() as u64) }),
     }
-    let sidecar = sidecar.map(Sidecar::parse).transpose()?.unwrap_or_default();
-    let mut file = match source {
-        Source::Png => png::read(bytes, &sidecar, limits, encoding),
-        Source::Tiff => tiff::read(bytes, limits),
-        Source::Exr => exr::read(bytes, &sidecar, limits),
-        Source::R16 => raw::read_r16(bytes, &sidecar, limits),
-        Source::R32 => raw::read_r32(bytes, &sidecar, limits),
-        Source::Asc => asc::read(bytes, limits),
-        Source::Hgt => hgt::read(name, bytes, limits),
-    }?;
-    // One rule for all formats, on the numbers as they are kept: what is read once reads the same again.
-    let is_height = |v: &f32| v.abs() <= FARTHEST;
-    file.data.par_chunks_mut(1 << 16).for_each(|chunk| {
-        chunk.iter_mut().filter(|v| !is_height(v)).for_each(|v| *v = f32::NAN);
-    });
-    Ok(file)
 }

@@ -1,30 +1,54 @@
 //! SRTM tiles: one degree square, 16-bit big-endian metres, named after their south-west corner.
 
+use super::codec::Codec;
 use super::error::Fault;
-use super::format::Source;
-use super::height::{HeightFile, Limits, Origin};
+use super::height::{HeightFile, Origin};
+use super::input::{Claim, Input};
 use super::place::{Affine, Anchor, Placement, Units};
+use super::raw::samples;
+
+pub(super) static CODEC: Codec = Codec {
+    name: "SRTM .hgt",
+    extensions: &["hgt"],
+    magic: &[],
+    companions: &[],
+    claim,
+    read,
+    reads: "SRTM tile of any size, big-endian; the name gives the corner",
+    metres: "yes",
+    place: "EPSG:4326",
+};
 
 /// The number that marks a void.
 const VOID: i16 = i16::MIN;
 
-/// Reads a tile; the name says where it lies, the length how fine it is.
-pub(super) fn read(name: &str, bytes: &[u8], limits: &Limits) -> Result<HeightFile, Fault> {
-    let found = bytes.len() as u64;
+/// The samples along a side.
+fn side(input: &Input<'_>) -> Result<u64, Fault> {
+    let found = input.bytes.len() as u64;
     let side = (found / 2).isqrt();
-    limits.samples(side, side)?;
+    input.limits.samples(side, side)?;
     if side * side * 2 != found || side < 2 {
         return Err(Fault::damaged(format!("{found} bytes are no square of 16-bit samples")));
     }
+    Ok(side)
+}
+
+fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
+    let side = side(input)?;
+    Claim::new(input, [side, side], 0)
+}
+
+/// Reads a tile; the name says where it lies, the length how fine it is.
+fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
+    let side = side(input)?;
     let n = side as usize;
-    let (pairs, _) = bytes.as_chunks::<2>();
-    let height = |b: &[u8; 2]| match i16::from_be_bytes(*b) {
+    let height = |b: [u8; 2]| match i16::from_be_bytes(b) {
         VOID => f32::NAN,
         v => f32::from(v),
     };
-    let mut origin = Origin::new(Source::Hgt, "i16");
+    let mut origin = Origin::new(&CODEC, "i16");
     origin.nodata = Some(f64::from(VOID));
-    let placement = match corner(name) {
+    let placement = match corner(input.name) {
         Some([east, north]) => {
             let step = 1.0 / (side - 1) as f64;
             let affine = Affine::upright([east, north + 1.0], [step, step]);
@@ -37,7 +61,8 @@ pub(super) fn read(name: &str, bytes: &[u8], limits: &Limits) -> Result<HeightFi
             Placement::default()
         }
     };
-    let data = pairs.iter().map(height).collect();
+    let (pairs, _) = input.bytes.as_chunks::<2>();
+    let data = samples(input, pairs, height)?;
     Ok(HeightFile { cols: n, rows: n, data, metres: true, placement, origin })
 }
 

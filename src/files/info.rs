@@ -70,7 +70,7 @@ impl Info {
         });
         Self {
             file: name.to_owned(),
-            format: origin.format.name(),
+            format: origin.format.name,
             sample: origin.sample,
             bands: origin.bands,
             cols: *cols,

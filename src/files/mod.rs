@@ -1,7 +1,7 @@
 //! Readers and writers of height and picture files.
 //!
-//! [`read_height`] turns the bytes of a PNG, TIFF, OpenEXR, r16, r32, `.asc` or `.hgt` file into heights and the
-//! place where they lie; [`encode`] turns a value of a graph into a file, and [`encode_file`] a file that was read
+//! [`Codec`] is the table of formats, a row each: how files are recognised, read and written. [`Input`] is a file with
+//! what lies beside it; [`read_height`] turns its bytes into heights and the place where they lie; [`encode`] turns a value of a graph into a file, and [`encode_file`] a file that was read
 //! into another format. Nothing here opens a path: bytes come in, and [`write_atomic`] writes whole files or none
 //! into a folder that the caller opened.
 //!
@@ -16,32 +16,40 @@ mod apart;
 mod asc;
 mod atomic;
 mod bands;
+mod codec;
 mod error;
 mod exr;
-mod format;
 mod height;
 mod hgt;
 mod info;
+mod input;
 mod place;
 mod png;
 mod quantize;
 mod raw;
+mod reading;
 mod relief;
+mod sheet;
 mod sidecar;
 mod target;
 mod tiff;
 mod voids;
+mod watch;
 mod write;
 
 pub use apart::apart;
 pub use atomic::{Stamp, passing_name_of, write_atomic};
+pub use codec::{Codec, Form, Format};
 pub use error::{Fault, ReadError, WriteError};
-pub use format::{Format, Source};
 pub use height::{Encoding, HeightFile, Limits, Origin, claimed_size, read_height, read_height_as};
 pub use info::{Info, info};
+pub use input::{Claim, Companion, Input, companions};
 pub use place::{Affine, Anchor, Placement, Units};
+pub use reading::Reading;
 pub use relief::{Closing, Relief, Reliefs, Request};
+pub use sheet::Sink;
 pub use sidecar::{Sidecar, sidecar_name};
 pub use target::{Target, target_warnings};
 pub use voids::fill_voids;
-pub use write::{FileJob, Tile, WriteJob, Written, encode, encode_file};
+pub use watch::Watch;
+pub use write::{Tile, WriteJob, Writing, Written, encode, encode_file};

@@ -1,32 +1,119 @@
 //! r16 and r32: samples and nothing else, little-endian.
 
-use super::error::Fault;
-use super::format::Source;
-use super::height::{HeightFile, Limits, Origin};
+use super::codec::{Codec, Form};
+use super::error::{Fault, WriteError};
+use super::height::{HeightFile, Origin, room};
+use super::input::{Claim, Input};
 use super::place::Placement;
+use super::sheet::{Sheet, Sink, little_floats, little_words};
 use super::sidecar::Sidecar;
+use super::write::Written;
+
+pub(super) static CODEC16: Codec = Codec {
+    name: "r16",
+    extensions: &["r16", "raw"],
+    magic: &[],
+    companions: &["json"],
+    claim: |input| claim(input, 2),
+    read: read_integers,
+    reads: "16-bit integers without a header, little-endian",
+    metres: "with a sidecar that gives the range",
+    place: "from the sidecar",
+};
+
+pub(super) static CODEC32: Codec = Codec {
+    name: "r32",
+    extensions: &["r32"],
+    magic: &[],
+    companions: &["json"],
+    claim: |input| claim(input, 4),
+    read: read_floats,
+    reads: "32-bit floats without a header, little-endian",
+    metres: "with a sidecar",
+    place: "from the sidecar",
+};
+
+pub(super) static INTEGERS: Form = Form {
+    name: "r16",
+    by_extension: true,
+    levels: Some(65535.0),
+    channels: &[1],
+    sidecar: true,
+    flips: true,
+    voids: false,
+    write: write_integers,
+    holds: "16-bit integers and nothing else, little-endian",
+    purpose: "Unity, Unreal, World Machine …",
+};
+
+pub(super) static FLOATS: Form = Form {
+    name: "r32",
+    by_extension: true,
+    levels: None,
+    channels: &[1],
+    sidecar: true,
+    flips: true,
+    voids: true,
+    write: write_floats,
+    holds: "32-bit floats and nothing else, little-endian",
+    purpose: "Houdini, World Machine …",
+};
+
+/// What the sidecar claims; without it the file must be square.
+fn claim(input: &Input<'_>, width: u64) -> Result<Claim, Fault> {
+    let [cols, rows] = size(input, &input.sidecar()?, width)?;
+    Claim::new(input, [cols as u64, rows as u64], 0)
+}
 
 /// Reads 16-bit integers; the sidecar gives size and range, without it the file must be square.
-pub(super) fn read_r16(bytes: &[u8], sidecar: &Sidecar, limits: &Limits) -> Result<HeightFile, Fault> {
-    let size = size(bytes, 2, sidecar, limits)?;
-    let (pairs, _) = bytes.as_chunks::<2>();
-    let data = pairs.iter().map(|b| f32::from(u16::from_le_bytes(*b))).collect();
-    let mut file = height_file(size, data, Origin::new(Source::R16, "u16"), false);
+fn read_integers(input: &Input<'_>) -> Result<HeightFile, Fault> {
+    let sidecar = input.sidecar()?;
+    let size = size(input, &sidecar, 2)?;
+    let (pairs, _) = input.bytes.as_chunks::<2>();
+    let data = samples(input, pairs, |b| f32::from(u16::from_le_bytes(b)))?;
+    let mut file = height_file(size, data, Origin::new(&CODEC16, "u16"), false);
     sidecar.apply(&mut file, Some(65535.0));
     Ok(file)
 }
 
 /// Reads 32-bit floats; the sidecar gives the size, without it the file must be square.
-pub(super) fn read_r32(bytes: &[u8], sidecar: &Sidecar, limits: &Limits) -> Result<HeightFile, Fault> {
-    let size = size(bytes, 4, sidecar, limits)?;
-    let (quads, _) = bytes.as_chunks::<4>();
-    let data = quads.iter().map(|b| finite_or_void(f32::from_le_bytes(*b))).collect();
+fn read_floats(input: &Input<'_>) -> Result<HeightFile, Fault> {
+    let sidecar = input.sidecar()?;
+    let size = size(input, &sidecar, 4)?;
+    let (quads, _) = input.bytes.as_chunks::<4>();
+    let data = samples(input, quads, |b| finite_or_void(f32::from_le_bytes(b)))?;
     // A sidecar vouches for the unit of floats even where it gives no range.
     let metres = sidecar.orograph.is_some();
-    let mut file = height_file(size, data, Origin::new(Source::R32, "f32"), metres);
+    let mut file = height_file(size, data, Origin::new(&CODEC32, "f32"), metres);
     let scaled = sidecar.scale.is_some() || sidecar.offset.is_some();
     sidecar.apply(&mut file, (scaled && !metres).then_some(1.0));
     Ok(file)
+}
+
+/// Numbers of `N` bytes as samples, heard between blocks.
+pub(super) fn samples<const N: usize>(
+    input: &Input<'_>,
+    numbers: &[[u8; N]],
+    of: impl Fn([u8; N]) -> f32,
+) -> Result<Vec<f32>, Fault> {
+    let mut data = room(numbers.len())?;
+    for block in numbers.chunks(1 << 18) {
+        data.extend(block.iter().map(|b| of(*b)));
+        input.watch.check(data.len() as f32 / numbers.len() as f32)?;
+    }
+    Ok(data)
+}
+
+fn write_integers(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
+    sheet.no_voids()?;
+    let (q, written) = sheet.quantizer()?;
+    sheet.plain_rows(out, 2, |row, line| little_words(line, row, |v| q.level(v) as u16))?;
+    Ok(written)
+}
+
+fn write_floats(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
+    sheet.plain_rows(out, 4, |row, line| little_floats(line, row, f32::NAN))?;
+    Ok(Written::default())
 }
 
 /// A number of a float file: what is not finite is a void.
@@ -38,8 +125,8 @@ fn height_file([cols, rows]: [usize; 2], data: Vec<f32>, origin: Origin, metres:
     HeightFile { cols, rows, data, metres, placement: Placement::default(), origin }
 }
 
-fn size(bytes: &[u8], width: u64, sidecar: &Sidecar, limits: &Limits) -> Result<[usize; 2], Fault> {
-    let found = bytes.len() as u64;
+fn size(input: &Input<'_>, sidecar: &Sidecar, width: u64) -> Result<[usize; 2], Fault> {
+    let found = input.bytes.len() as u64;
     let (cols, rows) = match (sidecar.cols, sidecar.rows) {
         (Some(cols), Some(rows)) => (cols, rows),
         _ => {
@@ -53,7 +140,7 @@ fn size(bytes: &[u8], width: u64, sidecar: &Sidecar, limits: &Limits) -> Result<
             (side, side)
         }
     };
-    limits.samples(cols, rows)?;
+    input.limits.samples(cols, rows)?;
     let want = cols * rows * width;
     if want > found {
         return Err(Fault::Short { what: "a raster of the size in the sidecar", want, found });

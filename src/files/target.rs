@@ -5,7 +5,7 @@ use std::str::FromStr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::format::Format;
+use super::codec::Format;
 use crate::params::did_you_mean;
 
 /// An engine that an output is meant for.

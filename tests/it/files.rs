@@ -5,8 +5,9 @@ mod foreign;
 mod hostile;
 mod import;
 mod round_trip;
+mod table;
 
-use orograph::files::{HeightFile, Limits, WriteJob, encode, read_height};
+use orograph::files::{HeightFile, Limits, WriteJob, Writing, encode, read_height};
 use orograph::value::{Field, Grid, Lattice, Quantity, Terrain, Value};
 
 /// A window from the north-west corner of a lattice of some cell.
@@ -31,15 +32,15 @@ pub(crate) fn write(job: &WriteJob<'_>) -> (Vec<u8>, Option<Vec<u8>>) {
 /// Writes a job and reads it back.
 pub(crate) fn there_and_back(job: &WriteJob<'_>) -> HeightFile {
     let (bytes, sidecar) = write(job);
-    let name = format!("a.{}", job.format.extension());
+    let name = format!("a.{}", job.writing.format.extension());
     read_height(&name, &bytes, sidecar.as_deref(), &Limits::default()).expect("reads")
 }
 
 /// A job for a value on a terrain of 10 km.
 pub(crate) fn job<'a>(
     value: &'a Value,
-    format: orograph::files::Format,
+    writing: impl Into<Writing<'a>>,
     terrain: &'a Terrain,
 ) -> WriteJob<'a> {
-    WriteJob::new(value, format, terrain, *value.grid().expect("a raster"))
+    WriteJob::new(value, writing, terrain, *value.grid().expect("a raster"))
 }

@@ -6,7 +6,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use orograph::engine::{Unobserved, Want};
-use orograph::files::{Closing, Encoding, Format, Limits, Relief, Request, WriteJob, claimed_size, encode};
+use orograph::files::{Closing, Encoding, Format, Limits, Relief, Request, WriteJob, Writing, claimed_size, encode};
 use orograph::graph::Graph;
 use orograph::kit::curves::raster::BESIDE;
 use orograph::kit::curves::rasterise;
@@ -162,9 +162,9 @@ fn no_height_file_takes_more_memory_than_its_header_tells() {
     let field = coast(size);
     let terrain = Terrain { width: 4096.0, depth: 4096.0, ..Terrain::default() };
     let value = Value::Field(field.clone());
-    let job = |format| WriteJob {
-        range: Some([-500.0, 500.0]),
-        ..WriteJob::new(&value, format, &terrain, *field.grid())
+    let job = |format: Format| {
+        let writing = Writing { range: Some([-500.0, 500.0]), ..format.into() };
+        WriteJob::new(&value, writing, &terrain, *field.grid())
     };
     for format in Format::ALL {
         let mut out = std::io::Cursor::new(Vec::new());

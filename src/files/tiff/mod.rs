@@ -9,8 +9,48 @@ mod ifd;
 mod read;
 mod write;
 
-pub(super) use read::read;
-pub(super) use write::{Kind, Layout, write};
+use super::codec::{Codec, Form};
+
+pub(super) static CODEC: Codec = Codec {
+    name: "TIFF",
+    extensions: &["tif", "tiff", "gtiff"],
+    magic: &[b"II\x2a\0", b"II\x2b\0", b"MM\0\x2a", b"MM\0\x2b"],
+    companions: &[],
+    claim: read::claim,
+    read: read::read,
+    reads: "TIFF, BigTIFF, GeoTIFF: f16 f32 f64, u8 u16 u32, i8 i16 i32; strips or tiles; bands together or apart (the \
+            first is read); no compression, deflate, LZW, PackBits; predictors 2 and 3; both byte orders; sparse files; \
+            of several pictures (overviews) the first",
+    metres: "yes; GDAL's scale and offset and a vertical unit of feet are applied",
+    place: "pixel scale with tie point, or transformation; point or area; EPSG code",
+};
+
+pub(super) static FLOATS: Form = Form {
+    name: "tiff",
+    by_extension: true,
+    levels: None,
+    channels: &[1, 2, 3],
+    sidecar: false,
+    flips: false,
+    voids: true,
+    write: write::floats,
+    holds: "GeoTIFF f32, deflate with predictor 3, pixel is point; colours too",
+    purpose: "heights, to the bit, with their place",
+};
+
+pub(super) static INTEGERS: Form = Form {
+    name: "tiff16",
+    by_extension: false,
+    levels: Some(65535.0),
+    channels: &[1, 3],
+    sidecar: true,
+    flips: false,
+    voids: true,
+    write: write::integers,
+    holds: "GeoTIFF of 16 bits, deflate with predictor 2. With a range: unsigned, GDAL's scale and offset give metres \
+            back. Without: signed whole metres",
+    purpose: "GIS that wants integers",
+};
 
 /// Tags, by the names of TIFF 6.0, GeoTIFF 1.1 and GDAL.
 mod tag {

@@ -5,22 +5,38 @@ use flate2::{Decompress, FlushDecompress};
 use rayon::prelude::*;
 
 use super::super::error::Fault;
-use super::super::format::Source;
-use super::super::height::{HeightFile, Limits, Origin};
+use super::super::height::{HeightFile, Limits, Origin, room};
+use super::super::input::{Claim, Input};
 use super::ifd::{Directory, Numbers};
-use super::{geo, tag};
+use super::{CODEC, geo, tag};
+
+/// What the first directory claims.
+pub(super) fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
+    let directory = Directory::first(input.bytes)?;
+    let layout = Layout::of(&directory, input.bytes.len(), input.limits)?;
+    // Every thread unpacks a strip or tile of its own, and undoes the predictor on a row of it.
+    let threads = rayon::current_num_threads() as u64;
+    let line = (layout.chunk[0] * layout.per_pixel * layout.kind.bytes()) as u64;
+    let unpacked = line.saturating_mul(layout.chunk[1].min(layout.rows) as u64 + 1);
+    Claim::new(input, [layout.cols as u64, layout.rows as u64], unpacked.saturating_mul(threads))
+}
 
 /// Reads the first picture of a file.
-pub(crate) fn read(bytes: &[u8], limits: &Limits) -> Result<HeightFile, Fault> {
+pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
+    let bytes = input.bytes;
     let directory = Directory::first(bytes)?;
-    let layout = Layout::of(&directory, bytes.len(), limits)?;
-    let mut data = vec![0f32; layout.cols * layout.rows];
+    let layout = Layout::of(&directory, bytes.len(), input.limits)?;
+    let mut data = room(layout.cols * layout.rows)?;
+    data.resize(layout.cols * layout.rows, 0f32);
     let rows_of_chunk = layout.chunk[1].min(layout.rows);
     let chunks = data.par_chunks_mut(layout.cols * rows_of_chunk).enumerate();
     let scratch = || Scratch { unpacked: Vec::new(), row: Vec::new() };
-    chunks.try_for_each_init(scratch, |scratch, (j, out)| layout.read_chunks(bytes, j, out, scratch))?;
+    chunks.try_for_each_init(scratch, |scratch, (j, out)| {
+        input.watch.go_on()?;
+        layout.read_chunks(bytes, j, out, scratch)
+    })?;
     let placement = geo::placement(&directory, [layout.cols, layout.rows]);
-    let mut origin = Origin::new(Source::Tiff, layout.kind.name());
+    let mut origin = Origin::new(&CODEC, layout.kind.name());
     origin.nodata = layout.nodata;
     origin.bands = layout.samples;
     if layout.samples > 1 {

@@ -1,15 +1,68 @@
 //! Writing: strips, deflated with a predictor in parallel, the directory behind them.
 
-use std::io::{Seek, SeekFrom, Write};
+use std::io::SeekFrom;
+
+use rayon::prelude::*;
 
 use super::super::bands::{self, Band};
 use super::super::error::WriteError;
 use super::super::place::Placement;
+use super::super::quantize::Quantizer;
+use super::super::sheet::{Sheet, Sink, little_floats, little_words};
+use super::super::watch::Watch;
+use super::super::write::Written;
 use super::{geo, tag};
+use crate::value::Quantity;
+
+/// Writes floats.
+pub(super) fn floats(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
+    let nodata = match sheet.nodata {
+        Some(v) if (v as f32).is_finite() => Some(f64::from(v as f32)),
+        _ => sheet.has_voids().then_some(f64::NAN),
+    };
+    let fill = nodata.map_or(f32::NAN, |v| v as f32);
+    let layout = Layout::of(sheet, Kind::F32, nodata, None);
+    write(out, &layout, &sheet.writing.watch, |j, line| little_floats(line, sheet.row(j), fill))?;
+    Ok(Written::default())
+}
+
+/// Writes 16-bit integers: of a range where there is one, whole metres with a sign where there is none.
+pub(super) fn integers(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
+    if sheet.own_range().is_none() {
+        return whole_metres(sheet, out);
+    }
+    let (q, written) = sheet.quantizer()?;
+    let scaling = written.range.map(|[lo, _]| (q.step(), lo)).filter(|_| sheet.quantity != Quantity::Color);
+    let plain = scaling == Some((1.0, 0.0));
+    let code = sheet.nodata.filter(|v| plain && v.fract() == 0.0 && (0.0..=65535.0).contains(v));
+    if code.is_none() {
+        sheet.no_voids()?;
+    }
+    let layout = Layout::of(sheet, Kind::U16, code, scaling);
+    let void = code.unwrap_or(0.0) as u16;
+    let of = |v: f32| if v.is_nan() { void } else { q.level(v) as u16 };
+    write(out, &layout, &sheet.writing.watch, |j, line| little_words(line, sheet.row(j), of))?;
+    Ok(written)
+}
+
+fn whole_metres(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
+    // The lowest number is left to mark voids.
+    let q = Quantizer::new([-32767.0, 32767.0], 65534.0)?;
+    let clipped = q.check(sheet.samples, sheet.writing.clip)?;
+    let mut written = Written { clipped, ..Written::default() };
+    if sheet.samples.par_iter().any(|v| v.fract() != 0.0 && !v.is_nan()) {
+        written.notes.push("tiff16 without a range holds whole metres; give a range for finer steps".into());
+    }
+    let voids = sheet.nodata.is_some() || sheet.has_voids();
+    let layout = Layout::of(sheet, Kind::I16, voids.then_some(-32768.0), None);
+    let of = |v: f32| if v.is_nan() { i16::MIN as u16 } else { (q.level(v) - 32767) as i16 as u16 };
+    write(out, &layout, &sheet.writing.watch, |j, line| little_words(line, sheet.row(j), of))?;
+    Ok(written)
+}
 
 /// The type of the samples that are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+enum Kind {
     /// 16-bit integers from 0.
     U16,
     /// 16-bit integers with a sign.
@@ -20,24 +73,31 @@ pub(crate) enum Kind {
 
 impl Kind {
     /// Bytes of a sample.
-    pub(crate) fn bytes(self) -> usize {
+    fn bytes(self) -> usize {
         if self == Self::F32 { 4 } else { 2 }
     }
 }
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout<'a> {
-    pub(crate) cols: usize,
-    pub(crate) rows: usize,
+struct Layout<'a> {
+    cols: usize,
+    rows: usize,
     /// 1 for heights, 2 for vectors, 3 for colours.
-    pub(crate) bands: usize,
-    pub(crate) kind: Kind,
-    pub(crate) placement: &'a Placement,
+    bands: usize,
+    kind: Kind,
+    placement: &'a Placement,
     /// The number that marks a void.
-    pub(crate) nodata: Option<f64>,
+    nodata: Option<f64>,
     /// Factor and summand that make values of integers.
-    pub(crate) scaling: Option<(f64, f64)>,
+    scaling: Option<(f64, f64)>,
+}
+
+impl<'a> Layout<'a> {
+    fn of(sheet: &'a Sheet<'_>, kind: Kind, nodata: Option<f64>, scaling: Option<(f64, f64)>) -> Self {
+        let Sheet { cols, rows, channels: bands, ref placement, .. } = *sheet;
+        Self { cols, rows, bands, kind, placement, nodata, scaling }
+    }
 }
 
 /// How hard strips are pressed.
@@ -46,10 +106,10 @@ const LEVEL: u32 = 4;
 const CLASSIC: u64 = 4_000_000_000;
 
 /// Writes a file whose rows `fill` gives, little-endian.
-pub(crate) fn write(
-    out: &mut (impl Write + Seek),
+fn write(
+    out: &mut dyn Sink,
     layout: &Layout<'_>,
-    watch: &bands::Watch<'_>,
+    watch: &Watch<'_>,
     fill: impl Fn(usize, &mut [u8]) + Sync,
 ) -> Result<(), WriteError> {
     let Layout { cols, rows, bands, kind, .. } = *layout;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use orograph::files::{FileJob, Format, HeightFile, Limits, encode_file, read_height};
+use orograph::files::{Format, HeightFile, Limits, Writing, encode_file, read_height};
 use orograph::kit::hash;
 use orograph::node::{Cancel, Context, Error, Node, SourceFile};
 use orograph::nodes::files::import_height::{Fill, ImportHeight, Inputs, Interpolation, Outputs, Placing};
@@ -203,7 +203,7 @@ fn voids_are_closed_and_come_out_as_a_mask() {
     }
     let all = HeightFile { data: vec![f32::NAN; 21 * 13], ..open(&files[0]) };
     let mut bytes = std::io::Cursor::new(Vec::new());
-    encode_file(&FileJob::new(&all, Format::Tiff), &mut bytes).expect("writes");
+    encode_file(&all, &Format::Tiff.into(), &mut bytes).expect("writes");
     let error = run(&node(Placing::Stretch), &[source("a.tif", bytes.into_inner())], &terrain, grid);
     assert!(error.err().expect("nothing there").to_string().contains("nothing but voids"));
 }
@@ -216,9 +216,8 @@ fn open(file: &SourceFile) -> HeightFile {
 fn the_sidecar_gives_metres() {
     let value = heights(9, 9, |k| k as f32);
     let terrain = square(80.0);
-    let written =
-        orograph::files::WriteJob { range: Some([-100.0, 200.0]), ..job(&value, Format::Png16, &terrain) };
-    let (bytes, sidecar) = write(&written);
+    let writing = Writing { range: Some([-100.0, 200.0]), ..Format::Png16.into() };
+    let (bytes, sidecar) = write(&job(&value, writing, &terrain));
     let both = [source("a.png", bytes), source("a.json", sidecar.expect("has one"))];
     let node = ImportHeight { file: FilePath("a.png".into()), ..node(Placing::Stretch) };
     let names: Vec<_> = node.files().into_iter().map(|f| (f.name, f.optional)).collect();

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use orograph::files::{
-    Affine, Anchor, FileJob, Format, HeightFile, Limits, Target, Tile, Units, WriteError, WriteJob, encode,
+    Affine, Anchor, Format, HeightFile, Limits, Target, Tile, Units, WriteError, WriteJob, Writing, encode,
     encode_file, read_height,
 };
 use orograph::kit::hash;
@@ -53,7 +53,8 @@ fn integers_come_back_to_the_step() {
         for (cols, rows) in SIZES {
             let level = |k: usize| (hash::nth(2, k as u64) % (levels as u64 + 1)) as f64;
             let value = heights(cols, rows, |k| (range[0] + level(k) * step) as f32);
-            let back = there_and_back(&WriteJob { range: Some(range), ..job(&value, format, &terrain) });
+            let back =
+                there_and_back(&job(&value, Writing { range: Some(range), ..format.into() }, &terrain));
             assert_eq!((back.cols, back.rows), (cols, rows));
             assert!(back.metres);
             for (k, (a, b)) in back.data.iter().zip(value.components()).enumerate() {
@@ -82,8 +83,8 @@ fn other_readers_see_the_same() {
         ::tiff::decoder::DecodingResult::F32(data) => assert!(data == value.components()),
         other => panic!("{other:?}"),
     }
-    let ranged = WriteJob { range: Some([0.0, 65535.0]), ..job(&value, Format::Png16, &terrain) };
-    let (bytes, _) = write(&ranged);
+    let ranged = Writing { range: Some([0.0, 65535.0]), ..Format::Png16.into() };
+    let (bytes, _) = write(&job(&value, ranged, &terrain));
     let mut reader = ::png::Decoder::new(Cursor::new(bytes)).read_info().expect("opens");
     let mut pixels = vec![0; reader.output_buffer_size().expect("fits")];
     reader.next_frame(&mut pixels).expect("decodes");
@@ -167,12 +168,12 @@ fn masks_have_their_range_and_heights_need_one() {
 fn clipping_is_an_error_unless_allowed() {
     let terrain = Terrain::default();
     let value = heights(10, 10, |k| k as f32);
-    let strict = WriteJob { range: Some([10.0, 90.0]), ..job(&value, Format::Png16, &terrain) };
+    let strict = Writing { range: Some([10.0, 90.0]), ..Format::Png16.into() };
     let mut out = Cursor::new(Vec::new());
-    let error = encode(&strict, &mut out).expect_err("19 are outside");
+    let error = encode(&job(&value, strict, &terrain), &mut out).expect_err("19 are outside");
     assert!(error.to_string().contains("19 of 100"), "{error}");
     assert!(out.into_inner().is_empty(), "nothing is written before the check");
-    let lax = WriteJob { clip: true, ..strict };
+    let lax = job(&value, Writing { clip: true, ..strict }, &terrain);
     assert_eq!(encode(&lax, &mut Cursor::new(Vec::new())).expect("writes").clipped, 19);
     let back = there_and_back(&lax);
     assert_eq!((back.data[0], back.data[99]), (10.0, 90.0));
@@ -207,12 +208,9 @@ fn sidecars_tell_range_sea_grid_and_tile() {
     (at.col, at.row) = (4, 8);
     let value = Value::Field(Field::new(at, Quantity::Elevation, vec![7.0; 20]));
     let tile = Tile { col: 1, row: 2, cols: 3, rows: 3 };
-    let (_, sidecar) = write(&WriteJob {
-        range: Some([-256.0, 1792.0]),
-        tile: Some(tile),
-        whole: grid(13, 13, 10.0),
-        ..job(&value, Format::R16, &terrain)
-    });
+    let writing = Writing { range: Some([-256.0, 1792.0]), ..Format::R16.into() };
+    let whole = grid(13, 13, 10.0);
+    let (_, sidecar) = write(&WriteJob { tile: Some(tile), whole, ..job(&value, writing, &terrain) });
     let json: serde_json::Value = serde_json::from_slice(&sidecar.expect("r16 has one")).expect("parses");
     for (pointer, want) in [
         ("/cols", serde_json::json!(5)),
@@ -234,12 +232,13 @@ fn sidecars_tell_range_sea_grid_and_tile() {
 fn unity_gets_its_rows_upside_down() {
     let terrain = Terrain::default();
     let value = heights(33, 33, |k| (k / 33) as f32);
-    let unity = WriteJob {
+    let writing = Writing {
         range: Some([0.0, 65535.0]),
         flip: Target::Unity.flip(),
         target: Some(Target::Unity),
-        ..job(&value, Target::Unity.format(), &terrain)
+        ..Target::Unity.format().into()
     };
+    let unity = job(&value, writing, &terrain);
     let (bytes, _) = write(&unity);
     assert_eq!(bytes[..4], [32, 0, 32, 0], "the southernmost row comes first");
     assert!(there_and_back(&unity).data == value.components(), "and is turned back on reading");
@@ -253,26 +252,23 @@ fn unreal_takes_32768_for_zero() {
     let terrain = Terrain::default();
     let value = heights(505, 505, |k| if k == 0 { 0.0 } else { (k % 700) as f32 - 100.0 });
     let range = Target::Unreal.range([-100.0, 599.0]);
-    let unreal = WriteJob {
-        range: Some(range),
-        target: Some(Target::Unreal),
-        ..job(&value, Target::Unreal.format(), &terrain)
-    };
+    let writing =
+        Writing { range: Some(range), target: Some(Target::Unreal), ..Target::Unreal.format().into() };
+    let unreal = job(&value, writing, &terrain);
     let (bytes, _) = write(&unreal);
     let plain = read_height("a.png", &bytes, None, &Limits::default()).expect("reads");
     assert_eq!(plain.data[0], 32768.0);
     let notes = encode(&unreal, &mut Cursor::new(Vec::new())).expect("writes").notes;
     assert!(notes.len() == 1 && notes[0].contains("location Z = 0"), "{notes:?}");
     let small = heights(500, 505, |_| 1.0);
-    let odd =
-        WriteJob { range: Some(range), target: Some(Target::Unreal), ..job(&small, Format::R16, &terrain) };
+    let odd = job(&small, Writing { format: Format::R16, ..writing }, &terrain);
     let notes = encode(&odd, &mut Cursor::new(Vec::new())).expect("writes").notes;
     assert!(notes[0].contains("500 x 505"), "{notes:?}");
 }
 
 fn convert(file: &HeightFile, format: Format) -> HeightFile {
     let mut out = Cursor::new(Vec::new());
-    let written = encode_file(&FileJob::new(file, format), &mut out).expect("writes");
+    let written = encode_file(file, &format.into(), &mut out).expect("writes");
     let sidecar = written.sidecar.map(|j| j.to_string().into_bytes());
     let name = format!("b.{}", format.extension());
     read_height(&name, &out.into_inner(), sidecar.as_deref(), &Limits::default()).expect("reads")
@@ -289,7 +285,7 @@ fn converting_keeps_numbers_place_and_voids() {
     }
     assert_eq!(convert(&voids, Format::Tiff).origin.nodata, Some(-9999.0));
     assert_eq!(convert(&voids, Format::Asc).origin.nodata, Some(-9999.0));
-    let refused = encode_file(&FileJob::new(&voids, Format::Png16), &mut Cursor::new(Vec::new()));
+    let refused = encode_file(&voids, &Format::Png16.into(), &mut Cursor::new(Vec::new()));
     assert!(refused.expect_err("voids").to_string().contains("voids"));
     for (name, bytes) in [
         ("degrees", &include_bytes!("fixtures/degrees_f32.tif")[..]),

@@ -1,0 +1,31 @@
+//! OpenEXR: 32-bit float heights and pictures.
+
+mod read;
+mod write;
+
+use super::codec::{Codec, Form};
+
+pub(super) static CODEC: Codec = Codec {
+    name: "OpenEXR",
+    extensions: &["exr"],
+    magic: &[&[0x76, 0x2f, 0x31, 0x01]],
+    companions: &["json"],
+    claim: read::claim,
+    read: read::read,
+    reads: "f16 and f32, any compression of the `exr` crate; the channel `Y`, `Z`, `height` … or the first",
+    metres: "yes",
+    place: "from the sidecar",
+};
+
+pub(super) static FLOATS: Form = Form {
+    name: "exr",
+    by_extension: true,
+    levels: None,
+    channels: &[1, 2, 3],
+    sidecar: true,
+    flips: true,
+    voids: true,
+    write: write::floats,
+    holds: "f32, ZIP; channel `Y`; colours as linear light",
+    purpose: "heights, to the bit",
+};

@@ -1,0 +1,113 @@
+//! A height file on the way in: its content, what lies beside it, and how it is to be read.
+
+use rayon::prelude::*;
+
+use super::codec::Codec;
+use super::error::{Fault, ReadError};
+use super::height::{HeightFile, Limits};
+use super::reading::Reading;
+use super::sidecar::Sidecar;
+use super::watch::Watch;
+
+/// A file that lies beside a height file.
+#[derive(Clone, Copy, Debug)]
+pub struct Companion<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its content.
+    pub bytes: &'a [u8],
+}
+
+/// The names of the files that may lie beside a file and are read as well: `dir/a.json` beside `dir/a.r16`.
+pub fn companions(file: &str) -> Vec<String> {
+    let stem = match file.rsplit_once('.') {
+        Some((stem, extension)) if !extension.contains(['/', '\\']) => stem,
+        _ => file,
+    };
+    let extensions = Codec::of_name(file).map_or(&[][..], |c| c.companions);
+    extensions.iter().map(|e| format!("{stem}.{e}")).collect()
+}
+
+/// What a header says of the content behind it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Claim {
+    /// Samples in a row.
+    pub cols: u64,
+    /// Rows.
+    pub rows: u64,
+    /// Bytes of memory that reading takes at the peak, the heights among them.
+    pub bytes: u64,
+}
+
+impl Claim {
+    /// A claim whose reading takes the heights and some bytes more, once it is within the limits.
+    pub(super) fn new(input: &Input<'_>, size: [u64; 2], more: u64) -> Result<Self, Fault> {
+        let [cols, rows] = size;
+        let samples = input.limits.samples(cols, rows)? as u64;
+        Ok(Self { cols, rows, bytes: samples.saturating_mul(4).saturating_add(more) })
+    }
+}
+
+/// A height file to read.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// The name: its extension chooses the reader, and that of an SRTM tile says where it lies.
+    pub name: &'a str,
+    /// The content.
+    pub bytes: &'a [u8],
+    /// What lies beside it; see [`companions`].
+    pub companions: &'a [Companion<'a>],
+    /// How it is read.
+    pub reading: &'a Reading,
+    /// The most that it may claim.
+    pub limits: &'a Limits,
+    /// Who wants to know how far the reading is.
+    pub watch: Watch<'a>,
+}
+
+impl<'a> Input<'a> {
+    /// The content of a companion by its extension.
+    pub(super) fn companion(&self, extension: &str) -> Option<&'a [u8]> {
+        let fits = |c: &&Companion<'_>| {
+            c.name.rsplit_once('.').is_some_and(|(_, e)| e.eq_ignore_ascii_case(extension))
+        };
+        self.companions.iter().find(fits).map(|c| c.bytes)
+    }
+
+    /// What the sidecar says; nothing where there is none.
+    pub(super) fn sidecar(&self) -> Result<Sidecar, Fault> {
+        Ok(self.companion("json").map(Sidecar::parse).transpose()?.unwrap_or_default())
+    }
+
+    /// What the header claims, within the limits.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read) that show before the first sample.
+    pub fn claim(&self) -> Result<Claim, ReadError> {
+        let codec = Codec::of(self.name, self.bytes).map_err(|fault| fault.of(self.name))?;
+        (codec.claim)(self).map_err(|fault| fault.of(self.name))
+    }
+
+    /// Reads the heights.
+    ///
+    /// # Errors
+    /// What is wrong with the file; a size over the limits is refused before memory is taken.
+    pub fn read(&self) -> Result<HeightFile, ReadError> {
+        self.read_checked().map_err(|fault| fault.of(self.name))
+    }
+
+    fn read_checked(&self) -> Result<HeightFile, Fault> {
+        let codec = Codec::of(self.name, self.bytes)?;
+        (codec.claim)(self)?;
+        let mut file = (codec.read)(self)?;
+        // One rule for all formats, on the numbers as they are kept: what is read once reads the same again.
+        let is_height = |v: &f32| v.abs() <= FARTHEST;
+        file.data.par_chunks_mut(1 << 16).for_each(|chunk| {
+            chunk.iter_mut().filter(|v| !is_height(v)).for_each(|v| *v = f32::NAN);
+        });
+        Ok(file)
+    }
+}
+
+/// Numbers beyond it mark voids in many files; no height is near it.
+const FARTHEST: f32 = 1e30;

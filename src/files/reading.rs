@@ -1,0 +1,16 @@
+//! What a person says of a height file where the file itself is silent.
+
+use super::height::Encoding;
+
+/// What a person says of a height file where the file itself is silent.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// How the pixels of a PNG hold heights.
+    pub encoding: Encoding,
+}
+
+impl From<Encoding> for Reading {
+    fn from(encoding: Encoding) -> Self {
+        Self { encoding }
+    }
+}
