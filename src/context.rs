@@ -1,70 +1,21 @@
 //! What a running node may ask of the engine.
 
-use std::any::Any;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
 use crate::node::{Error, Reads, Result, Summary};
+pub use crate::source::SourceFile;
 use crate::units::{FilePath, Seed};
 use crate::value::{Grid, Quantity, Raster, Sample, Terrain};
-
-/// A switch that stops work: cheap to clone, all clones are one switch.
-#[derive(Clone, Debug, Default)]
-pub struct Cancel(Arc<AtomicBool>);
+pub use crate::work::Cancel;
 
 impl Cancel {
-    /// Asks the work to stop.
-    pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether it was asked to stop.
-    pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-
     /// # Errors
     /// [`Error::Cancelled`] when the work was asked to stop.
     pub fn check(&self) -> Result<()> {
         if self.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
-    }
-}
-
-/// A file that a node reads, whole in memory, with its decoded form once somebody asked for it.
-pub struct SourceFile {
-    /// The name as the graph wrote it.
-    pub name: String,
-    /// The content.
-    pub bytes: Vec<u8>,
-    /// BLAKE3 of the content.
-    pub hash: [u8; 32],
-    decoded: Mutex<Option<Arc<dyn Any + Send + Sync>>>,
-}
-
-impl SourceFile {
-    /// Wraps the content of a file.
-    pub fn new(name: String, bytes: Vec<u8>) -> Self {
-        let hash = *blake3::hash(&bytes).as_bytes();
-        Self { name, bytes, hash, decoded: Mutex::new(None) }
-    }
-
-    /// The decoded content; `decode` runs once for each type however many tiles ask.
-    ///
-    /// # Errors
-    /// Those of `decode`.
-    pub fn decoded<T: Send + Sync + 'static>(
-        &self,
-        decode: impl FnOnce(&Self) -> Result<T>,
-    ) -> Result<Arc<T>> {
-        let mut slot = self.decoded.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(found) = slot.clone().and_then(|any| any.downcast::<T>().ok()) {
-            return Ok(found);
-        }
-        let fresh = Arc::new(decode(self)?);
-        *slot = Some(fresh.clone());
-        Ok(fresh)
     }
 }
 
@@ -158,7 +109,17 @@ impl<'a> Context<'a> {
     /// A file that the node listed in [`Node::files`](crate::node::Node::files); `None` for an optional one that
     /// is not there.
     pub fn file(&self, name: &FilePath) -> Option<&'a Arc<SourceFile>> {
-        self.files.iter().find(|f| f.name == name.0)
+        self.files.iter().find(|f| f.name() == name.0)
+    }
+
+    /// The whole content of a file that a parameter names, held against the hash in the node's key; progress goes
+    /// from 0 to 1.
+    ///
+    /// # Errors
+    /// When it is gone, cannot be read, or has changed since the plan; when the work was asked to stop.
+    pub fn read(&self, parameter: &'static str, file: &SourceFile) -> Result<Vec<u8>> {
+        let read = file.read(self.cancel, &|done| self.report(done));
+        read.map_err(|e| Error::of_source(parameter, file.name(), e))
     }
 
     /// # Errors

@@ -17,6 +17,10 @@
 //! that several share. *Caching:* a node keeps no state; what it did not declare, its context refuses, since the key
 //! of its result would not depend on it.
 //!
+//! # Files that a graph names: [`source`], [`work`]
+//! A [`source::SourceFile`] is known by its length and header before its content is read. *Caching:* the content counts
+//! by its hash, the name by its last part, and what was decoded stands on a [`source::Shelf`] while there is room.
+//!
 //! # The document: [`graph`]
 //! petgraph inside, canonical JSON outside; edits, validation, migration. What it does not know it keeps. *Caching:*
 //! names, places and comments are in no key, so that editing them runs nothing.
@@ -44,8 +48,10 @@ pub mod node;
 pub mod params;
 pub mod ports;
 pub mod render;
+pub mod source;
 pub mod units;
 pub mod value;
+pub mod work;
 
 #[path = "../nodes/mod.rs"]
 pub mod nodes;

@@ -15,6 +15,7 @@ use serde_json::{Map, Value as Json};
 pub use self::kind::{AnyNode, Kind};
 pub use crate::context::{Cancel, Context, Row, SourceFile};
 use crate::ports::Ports;
+use crate::source::SourceError;
 use crate::value::curves::CurveError;
 use crate::value::{Grid, Terrain, WireType};
 
@@ -102,6 +103,14 @@ pub enum Error {
 }
 
 impl Error {
+    /// Why a file was not read, as a fault of the parameter that names it.
+    pub fn of_source(parameter: &'static str, file: &str, e: SourceError) -> Self {
+        match e {
+            SourceError::Cancelled => Self::Cancelled,
+            other => Self::File { parameter, file: file.to_owned(), message: other.to_string() },
+        }
+    }
+
     /// What is wrong with curves, as a fault of the node that made or read them.
     pub fn of_curves(e: CurveError) -> Self {
         match e {
@@ -150,6 +159,9 @@ pub struct Margin {
     pub cells: i64,
 }
 
+/// Seconds that reading and hashing a byte take: a disk that gives about a gigabyte a second.
+pub const SECONDS_PER_BYTE: f64 = 1e-9;
+
 /// What a run needs beyond its inputs and outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
@@ -163,6 +175,18 @@ impl Cost {
     /// A cost of some nanoseconds a sample and no scratch memory.
     pub fn per_sample(grid: &Grid, nanoseconds: f64) -> Self {
         Self { bytes: 0, seconds: grid.len() as f64 * nanoseconds * 1e-9 }
+    }
+
+    /// The cost of holding the content of some files.
+    pub fn of_reading(files: &[Arc<SourceFile>]) -> Self {
+        let bytes = files.iter().fold(0, |sum: u64, f| sum.saturating_add(f.len()));
+        Self { bytes, seconds: bytes as f64 * SECONDS_PER_BYTE }
+    }
+
+    /// Both costs together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self { bytes: self.bytes.saturating_add(other.bytes), seconds: self.seconds + other.seconds }
     }
 
     /// The cost with scratch memory for some f32 per sample of a grid.
@@ -339,10 +363,10 @@ pub trait Node:
         Vec::new()
     }
 
-    /// Bytes that the decoded content of the files takes while it is read and after, for the budget of memory.
-    fn decoded_bytes(&self, files: &[Arc<SourceFile>]) -> u64 {
-        let _ = files;
-        0
+    /// What reading and decoding the files takes: bytes at the peak, the content among them, and seconds on one core.
+    /// Headers may be looked at, the content may not.
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {
+        Cost::of_reading(files)
     }
 
     /// Width in metres of the narrowest feature that a global kind makes; below two base cells it is lost.

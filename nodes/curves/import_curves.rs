@@ -7,6 +7,9 @@ use crate::node::SourceFile;
 use crate::prelude::*;
 use crate::value::curves::CurveError;
 
+/// Seconds that a byte of text takes.
+const PARSING_SECONDS: f64 = 0.2e-6;
+
 /// Reads lines from an SVG picture or a GeoJSON file as feature curves.
 ///
 /// Of an SVG every path, line, polyline and polygon is taken; its view box is laid on the terrain. Of GeoJSON every
@@ -76,9 +79,11 @@ impl Node for ImportCurves {
             .collect()
     }
 
-    fn decoded_bytes(&self, files: &[std::sync::Arc<SourceFile>]) -> u64 {
+    fn reading(&self, files: &[std::sync::Arc<SourceFile>]) -> Cost {
+        let content = Cost::of_reading(files);
         // The tree of a text and the curves of its numbers: some tens of times as large as the text.
-        files.iter().map(|f| 32 * f.bytes.len() as u64 + (1 << 20)).sum()
+        let bytes = content.bytes.saturating_mul(32).saturating_add(1 << 20);
+        content.and(Cost { bytes, seconds: content.bytes as f64 * PARSING_SECONDS })
     }
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {
@@ -87,7 +92,8 @@ impl Node for ImportCurves {
         }
         let fault = |message: String| Error::File { parameter: "file", file: self.file.0.clone(), message };
         let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;
-        let text = std::str::from_utf8(&file.bytes).map_err(|e| fault(format!("is not UTF-8 text: {e}")))?;
+        let bytes = cx.stage(0.0, 0.2).read("file", file)?;
+        let text = std::str::from_utf8(&bytes).map_err(|e| fault(format!("is not UTF-8 text: {e}")))?;
         let read = self.read(cx, text)?;
         let Imported { curves, warnings } = read.map_err(|e| fault(e.to_string()))?;
         warnings.into_iter().for_each(|warning| cx.warn(warning));

@@ -3,10 +3,14 @@
 use std::sync::Arc;
 
 use crate::files::{
-    Affine, Closing, Encoding, Limits, Relief, Reliefs, Request, Units, claimed_size, sidecar_name,
+    Affine, Closing, Encoding, Limits, Relief, Request, Units, apart, claimed_size, sidecar_name,
 };
 use crate::node::SourceFile;
 use crate::prelude::*;
+use crate::source::HEAD_BYTES;
+
+/// Seconds that decoding a sample takes, with the spline through it.
+const DECODING_SECONDS: f64 = 30e-9;
 
 /// Reads heights from a file and places them on the terrain.
 ///
@@ -160,13 +164,14 @@ impl Node for ImportHeight {
         ]
     }
 
-    fn decoded_bytes(&self, files: &[Arc<SourceFile>]) -> u64 {
-        let [file, rest @ ..] = files else { return 0 };
-        let sidecar = rest.first().map(|f| &f.bytes[..]);
-        // A file that cannot be read takes nothing: the run says what is wrong with it.
-        let claimed = claimed_size(&file.name, &file.bytes, sidecar, &Limits::default());
-        let [cols, rows] = claimed.unwrap_or_default();
-        Relief::bytes(cols, rows, self.interpolation == Interpolation::Cubic)
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {
+        let content = Cost::of_reading(files);
+        let [file, rest @ ..] = files else { return content };
+        // A file that cannot be read takes nothing more: the run says what is wrong with it.
+        let sidecar = rest.first().filter(|f| f.len() <= HEAD_BYTES).and_then(|f| f.head().ok());
+        let [cols, rows] = claimed(file, sidecar.as_deref()).unwrap_or_default();
+        let bytes = Relief::bytes(cols, rows, self.interpolation == Interpolation::Cubic);
+        content.and(Cost { bytes, seconds: cols as f64 * rows as f64 * DECODING_SECONDS })
     }
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {
@@ -174,7 +179,7 @@ impl Node for ImportHeight {
         let pose = self.pose(cx.terrain()?, &relief)?;
         cx.check()?;
         Ok(Outputs {
-            height: self.heights(&cx.stage(0.0, 0.8), &relief, &pose)?,
+            height: self.heights(&cx.stage(0.2, 0.8), &relief, &pose)?,
             voids: mask(&cx.stage(0.8, 0.9), &pose, relief.has_voids(), |u, v| relief.is_void(u, v))?,
             inside: mask(&cx.stage(0.9, 1.0), &pose, true, |u, v| relief.contains(u, v))?,
         })
@@ -191,22 +196,28 @@ impl ImportHeight {
         let fault = |message: String| Error::File { parameter: "file", file: name.clone(), message };
         let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;
         let sidecar = cx.file(&FilePath(sidecar_name(name)));
+        let sidecar = sidecar.map(|s| beside(cx, s)).transpose()?;
         let (scale, offset) = (self.height_scale.0, self.height_offset.0);
         let closing = match self.fill {
             Fill::Smooth => Closing::Smooth,
             Fill::Level { height } if scale != 0.0 => Closing::Level(((height.0 - offset) / scale) as f32),
             Fill::Level { .. } => Closing::Level(0.0),
         };
-        let request = Request {
+        let way = Request {
             name,
-            bytes: &file.bytes,
-            sidecar: sidecar.map(|s| (&s.bytes[..], s.hash)),
+            sidecar: sidecar.as_deref(),
             encoding: self.encoding,
             closing,
             cubic: self.interpolation == Interpolation::Cubic,
         };
-        let reliefs = file.decoded(|_| Ok(Reliefs::default()))?;
-        reliefs.get(&request, &Limits::default()).map_err(|e| fault(e.fault.to_string()))
+        file.decoded(&way.identity(), || {
+            let limits = Limits::default();
+            let bytes = cx.stage(0.01, 0.2).read("file", file)?;
+            // Under a lock of the shelf, where a worker must not pick up other work.
+            let relief = apart(|| Relief::new(&way, &bytes, &limits)).map_err(|e| fault(e.fault.to_string()))?;
+            let held = relief.held_bytes();
+            Ok((relief, held))
+        })
     }
 
     /// How world coordinates become positions in the file.
@@ -297,6 +308,22 @@ impl ImportHeight {
             to_metres(out);
         })
     }
+}
+
+/// The size that the header of a file claims.
+fn claimed(file: &SourceFile, sidecar: Option<&[u8]>) -> Result<[u64; 2], String> {
+    let opened = file.open().map_err(|e| e.to_string())?;
+    claimed_size(file.name(), &*opened, sidecar, &Limits::default()).map_err(|e| e.fault.to_string())
+}
+
+/// The content of a sidecar, which is a page of text at most.
+fn beside(cx: &Context<'_>, sidecar: &SourceFile) -> Result<Vec<u8>> {
+    let (len, file) = (sidecar.len(), sidecar.name().to_owned());
+    if len > HEAD_BYTES {
+        let message = format!("as a sidecar must have {HEAD_BYTES} bytes at most, it has {len}");
+        return Err(Error::File { parameter: "file", file, message });
+    }
+    cx.stage(0.0, 0.01).read("file", sidecar)
 }
 
 /// From world coordinates to positions in a file, in steps from its north-west sample.

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use cap_std::ambient_authority;
 use cap_std::fs::Dir;
 
-use crate::engine::{EngineError, Failure};
+use crate::engine::{Cause, EngineError, Failure};
 use crate::files::write_atomic;
 
 /// The exit codes of the program; scripts rely on them.
@@ -49,12 +49,11 @@ impl Exit {
 
     /// The code of a failure of one output.
     pub(super) fn of(failure: &Failure) -> Self {
-        if failure.is_file() {
-            Self::Input
-        } else if failure.is_document() {
-            Self::Graph
-        } else {
-            Self::Failed
+        match failure.cause() {
+            Cause::Document => Self::Graph,
+            Cause::File => Self::Input,
+            Cause::Cancelled => Self::Cancelled,
+            Cause::Evaluation | Cause::Cache | Cause::Engine => Self::Failed,
         }
     }
 }

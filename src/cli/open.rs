@@ -66,6 +66,8 @@ pub(super) fn open(args: &GraphArgs, registry: &Registry) -> Result<Opened, Stop
             .map_err(|e| Stop::usage(format!("--{name}: {e}")))?;
     }
     let problems = graph.problems();
+    // All that one command does speaks of the same files.
+    let files = files.pinned();
     Ok(Opened { graph, files, problems, variables })
 }
 

@@ -96,6 +96,19 @@ impl Progress {
 }
 
 impl Observer for Progress {
+    fn reading(&self, node: &str, file: &str, share: f32) {
+        match self.mode {
+            Mode::Bar => {
+                self.bar.set_position((share * 1000.0) as u64);
+                self.bar.set_message(format!("reads {file}"));
+            }
+            Mode::Json => {
+                tell(&json!({ "event": "reading", "node": node, "file": file, "share": share }).to_string());
+            }
+            Mode::None => (),
+        }
+    }
+
     fn planned(&self, plan: &Plan) {
         self.update(|s| {
             s.tasks = plan.tasks();

@@ -104,6 +104,8 @@ pub(crate) struct Held {
     pub(crate) over: Option<(String, u64)>,
     /// Estimated seconds.
     pub(crate) seconds: f64,
+    /// Bytes of files that must be read before it is known what they hold.
+    pub(crate) unread: u64,
 }
 
 /// Pictures under sun and sky, with cast shadows.
@@ -172,9 +174,9 @@ impl Board {
         }
     }
 
-    pub(crate) fn hold(&mut self, over: Option<(String, u64)>, seconds: f64) {
+    pub(crate) fn hold(&mut self, held: Held) {
         self.news += 1;
-        self.held = Some(Held { over, seconds });
+        self.held = Some(held);
     }
 
     /// Shows a whole view of a scene; `made` says what for, when it is exact.

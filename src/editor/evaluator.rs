@@ -16,6 +16,9 @@ use crate::graph::{Graph, NodeId};
 use crate::value::Grid;
 use view::Found;
 
+/// Bytes of files that are read without asking, to know what they hold: a fraction of a second.
+const UNASKED_BYTES: u64 = 256 << 20;
+
 /// What the window would like to see.
 #[derive(Clone, Debug)]
 pub(crate) struct Order {

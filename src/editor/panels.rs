@@ -9,6 +9,7 @@ use super::canvas::time;
 use super::command::Command;
 use super::inspector::{Panel, graph_panel, name_field, nodes_panel, note_panel, outputs_panel};
 use super::theme;
+use crate::engine::bytes;
 
 /// The pages of the panel at the right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -179,7 +180,10 @@ impl Editor {
             match held.over {
                 Some((why, need)) => self.over_budget(ui, &why, need),
                 None => {
-                    ui.colored_label(theme::WARNING, format!("would take about {}", time(held.seconds)));
+                    let files = (held.unread > 0).then(|| format!(" and read {} of files", bytes(held.unread)));
+                    let text =
+                        format!("would take about {}{}", time(held.seconds), files.unwrap_or_default());
+                    ui.colored_label(theme::WARNING, text);
                     if ui.button("Evaluate").clicked() {
                         self.accepted = Some(self.document.state());
                     }

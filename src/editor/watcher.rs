@@ -28,6 +28,12 @@ impl<'a> Watcher<'a> {
 }
 
 impl Observer for Watcher<'_> {
+    fn reading(&self, node: &str, _: &str, share: f32) {
+        if let Some(node) = self.graph.find(node) {
+            (self.tell)(node, NodeState::Running(share));
+        }
+    }
+
     fn planned(&self, plan: &Plan) {
         // What the cache has takes no time worth telling.
         let node = |t: &PlannedTask| t.cached.is_none().then(|| self.graph.find(&t.node)).flatten();

@@ -16,7 +16,7 @@ pub(super) struct Peak {
 pub(super) fn cost(step: &Step, stage: Stage, grid: &Grid, base: &Grid) -> Cost {
     match stage {
         Stage::Gridless | Stage::Run | Stage::Base => {
-            let own = step.node.cost(grid);
+            let own = step.node.cost(grid).and(step.reading());
             // Mixing and cropping hold a copy of what they mix.
             let mixed = step.kind.meta.mixes.len() as f64 * 3.0;
             if step.input(crate::ports::MASK.name).is_some() { own.with_fields(grid, mixed) } else { own }

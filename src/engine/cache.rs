@@ -8,6 +8,7 @@ use super::disk::Disk;
 use super::key::Key;
 use crate::node::Summary;
 use crate::ports::Wires;
+use crate::source::Shelf;
 use crate::value::Grid;
 
 /// What a task gives.
@@ -114,10 +115,12 @@ impl Store {
         self.memory().put(key, grid, given.clone(), warnings.clone());
     }
 
-    /// Sets how many bytes may be held in memory, and drops the least used beyond it.
-    pub(super) fn limit(&self, bytes: u64) {
+    /// Sets how many bytes may be held in memory together with what was decoded from files, which gets up to half of
+    /// them, and drops the least used beyond it.
+    pub(super) fn limit(&self, bytes: u64, shelf: &Shelf) {
+        shelf.limit(bytes / 2);
         let mut memory = self.memory();
-        memory.limit = bytes;
+        memory.limit = bytes - bytes / 2;
         memory.shrink();
     }
 

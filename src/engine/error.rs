@@ -7,12 +7,23 @@ use crate::node;
 /// Why a wanted value could not be made; everything that does not need it is made all the same.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum Failure {
-    /// A node is wrong in the document: unknown kind, bad parameter, missing input.
+    /// A node is wrong in the document: bad parameter, missing input.
     #[error("node `{node}`: {error}")]
     Document {
         /// The node.
         node: String,
         /// What is wrong with it.
+        error: node::Error,
+    },
+    /// The document is wrong in more than one node, or in one that cannot be parsed: a cycle, an unknown kind.
+    #[error("{0}")]
+    Graph(String),
+    /// A file that a node names is missing, cannot be read, has changed, or is not what it should be.
+    #[error("node `{node}`: {error}")]
+    File {
+        /// The node.
+        node: String,
+        /// What is wrong with the file.
         error: node::Error,
     },
     /// A node failed while it ran.
@@ -23,32 +34,87 @@ pub enum Failure {
         /// Why.
         error: node::Error,
     },
-    /// The graph cannot be evaluated at this place at all.
-    #[error("{0}")]
-    Graph(String),
+    /// The work was asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// A result in the cache folder cannot be used; evaluations compute it themselves, so that this reaches nobody.
+    #[error("a result in the cache folder cannot be used: {0}")]
+    Cache(String),
+    /// A bug of the engine.
+    #[error("a bug of the engine: {0}")]
+    Engine(String),
+}
+
+/// What kind of fault a failure is; exit codes follow from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// The graph is wrong.
+    Document,
+    /// A file that the graph names is.
+    File,
+    /// A node could not do its work.
+    Evaluation,
+    /// Somebody stopped it.
+    Cancelled,
+    /// The cache folder.
+    Cache,
+    /// The program itself.
+    Engine,
+}
+
+impl Cause {
+    /// The name used in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Document => "document",
+            Self::File => "file",
+            Self::Evaluation => "evaluation",
+            Self::Cancelled => "cancelled",
+            Self::Cache => "cache",
+            Self::Engine => "engine",
+        }
+    }
 }
 
 impl Failure {
-    /// The node that failed.
-    pub fn node(&self) -> Option<&str> {
-        match self {
-            Self::Document { node, .. } | Self::Run { node, .. } => Some(node),
-            Self::Graph(_) => None,
+    /// What is wrong with a node before it runs.
+    pub(super) fn of_document(node: &str, error: node::Error) -> Self {
+        let node = node.to_owned();
+        match error {
+            node::Error::Cancelled => Self::Cancelled,
+            node::Error::File { .. } => Self::File { node, error },
+            _ => Self::Document { node, error },
         }
     }
 
-    /// Whether a missing or unreadable file is the cause.
-    pub fn is_file(&self) -> bool {
-        matches!(
-            self,
-            Self::Document { error: node::Error::File { .. }, .. }
-                | Self::Run { error: node::Error::File { .. }, .. }
-        )
+    /// What went wrong while a node ran.
+    pub(super) fn of_run(node: &str, error: node::Error) -> Self {
+        let node = node.to_owned();
+        match error {
+            node::Error::Cancelled => Self::Cancelled,
+            node::Error::File { .. } => Self::File { node, error },
+            _ => Self::Run { node, error },
+        }
     }
 
-    /// Whether the document is the cause, not its evaluation.
-    pub fn is_document(&self) -> bool {
-        !self.is_file() && matches!(self, Self::Document { .. } | Self::Graph(_))
+    /// The node that failed.
+    pub fn node(&self) -> Option<&str> {
+        match self {
+            Self::Document { node, .. } | Self::File { node, .. } | Self::Run { node, .. } => Some(node),
+            Self::Graph(_) | Self::Cancelled | Self::Cache(_) | Self::Engine(_) => None,
+        }
+    }
+
+    /// What kind of fault it is.
+    pub fn cause(&self) -> Cause {
+        match self {
+            Self::Document { .. } | Self::Graph(_) => Cause::Document,
+            Self::File { .. } => Cause::File,
+            Self::Run { .. } => Cause::Evaluation,
+            Self::Cancelled => Cause::Cancelled,
+            Self::Cache(_) => Cause::Cache,
+            Self::Engine(_) => Cause::Engine,
+        }
     }
 }
 

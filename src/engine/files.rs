@@ -1,38 +1,27 @@
 //! The files a graph may read (law 10): those in its own folder, in folders that the user allowed, and those that
 //! the user named on the command line. Checked by directory handle, not by text: no link leads out.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::io::Read;
+use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use cap_std::ambient_authority;
 use cap_std::fs::{Dir, OpenOptions};
 
-use crate::node::{Error, FileRequest, SourceFile};
+use super::sources::{Hashes, Sources};
+use crate::node::{Error, FileRequest};
+use crate::source::Shelf;
 
 /// Largest file that is read, in bytes.
 const MAX_BYTES: u64 = 16 << 30;
 
-/// Reads source files inside what the user allowed, and remembers them while they do not change.
+/// What a graph may read, and what is known of files that were read before.
 #[derive(Debug, Default)]
 pub struct Files {
-    roots: Vec<(PathBuf, Dir)>,
-    named: BTreeSet<PathBuf>,
-    read: Mutex<BTreeMap<String, (Stamp, Arc<SourceFile>)>>,
-}
-
-/// What tells a changed file from an unchanged one without reading it.
-#[derive(Clone, Debug, PartialEq)]
-struct Stamp {
-    bytes: u64,
-    modified: Option<std::time::SystemTime>,
-}
-
-impl std::fmt::Debug for SourceFile {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} ({} bytes)", self.name, self.bytes.len())
-    }
+    allowed: Arc<Allowed>,
+    hashes: Arc<Hashes>,
+    shelf: Arc<Shelf>,
+    pinned: Option<Arc<Sources>>,
 }
 
 impl Files {
@@ -43,76 +32,83 @@ impl Files {
     pub fn allow_folder(&mut self, folder: &Path) -> std::io::Result<()> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let dir = Dir::open_ambient_dir(folder, ambient_authority())?;
-        self.roots.push((folder.canonicalize()?, dir));
+        let mut allowed = Allowed::clone(&self.allowed);
+        allowed.roots.push((folder.canonicalize()?, Arc::new(dir)));
+        self.allow(allowed);
         Ok(())
     }
 
     /// Allows one file by its exact path: what the user wrote on the command line is the user's own word.
     pub fn allow_file(&mut self, path: &Path) {
-        self.named.insert(path.to_owned());
+        let mut allowed = Allowed::clone(&self.allowed);
+        allowed.named.insert(path.to_owned());
+        self.allow(allowed);
     }
 
-    /// Reads what a node asks for, in the order it asks; optional files that are not there are left out.
-    ///
-    /// # Errors
-    /// [`Error::File`] with the reason.
-    pub fn read(&self, requests: &[FileRequest]) -> Result<Vec<Arc<SourceFile>>, Error> {
-        let mut found = Vec::new();
-        for request in requests {
-            match self.one(&request.name) {
-                Ok(file) => found.push(file),
-                Err(Refusal::Absent) if request.optional => (),
-                Err(refusal) => {
-                    return Err(refusal.of(request));
-                }
-            }
-        }
-        Ok(found)
+    fn allow(&mut self, allowed: Allowed) {
+        self.allowed = Arc::new(allowed);
+        self.pinned = self.pinned.is_some().then(|| self.fresh());
+    }
+
+    /// Looks at every file once and for all: whatever is evaluated from now on speaks of the same content, and fails
+    /// where that has changed. Without this every evaluation looks anew.
+    #[must_use]
+    pub fn pinned(self) -> Self {
+        let sources = self.fresh();
+        Self { pinned: Some(sources), ..self }
+    }
+
+    /// The files as they are now, for one evaluation.
+    pub(super) fn sources(&self) -> Arc<Sources> {
+        self.pinned.clone().unwrap_or_else(|| self.fresh())
+    }
+
+    fn fresh(&self) -> Arc<Sources> {
+        Arc::new(Sources::new(self.allowed.clone(), self.hashes.clone(), self.shelf.clone()))
+    }
+
+    /// What was decoded from files.
+    pub(super) fn shelf(&self) -> &Shelf {
+        &self.shelf
     }
 
     /// Looks whether the files that a node asks for could be read, without reading them.
     ///
     /// # Errors
-    /// As [`read`](Self::read).
+    /// [`Error::File`] with the reason.
     pub fn look(&self, requests: &[FileRequest]) -> Result<(), Error> {
-        for request in requests {
-            match self.open(&request.name).and_then(|file| regular(&file)) {
-                Ok(_) => (),
-                Err(Refusal::Absent) if request.optional => (),
-                Err(refusal) => return Err(refusal.of(request)),
-            }
-        }
-        Ok(())
+        self.sources().find(requests).map(drop)
     }
+}
 
-    fn one(&self, name: &str) -> Result<Arc<SourceFile>, Refusal> {
-        let mut file = self.open(name)?;
-        let stamp = regular(&file)?;
-        let known = self.read.lock().unwrap_or_else(PoisonError::into_inner).get(name).cloned();
-        if let Some((old, source)) = known
-            && old == stamp
-            && stamp.modified.is_some()
-        {
-            return Ok(source);
-        }
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(|e| Refusal::Unreadable(e.to_string()))?;
-        let source = Arc::new(SourceFile::new(name.to_owned(), bytes));
-        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
-        read.insert(name.to_owned(), (stamp, source.clone()));
-        Ok(source)
-    }
+/// The folders and files that may be read.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Allowed {
+    roots: Vec<(PathBuf, Arc<Dir>)>,
+    named: BTreeSet<PathBuf>,
+}
 
-    fn open(&self, name: &str) -> Result<cap_std::fs::File, Refusal> {
+/// Where an allowed file lies.
+#[derive(Clone, Debug)]
+pub(super) enum Spot {
+    /// Below a folder that is open.
+    Below(PathBuf, Arc<Dir>, PathBuf),
+    /// Where the user said.
+    Named(PathBuf),
+}
+
+impl Allowed {
+    /// Opens what a name stands for, and says where that was.
+    pub(super) fn open(&self, name: &str) -> Result<(Spot, std::fs::File), Refusal> {
         let path = Path::new(name);
         if let Some(full) = self.named.get(path) {
-            // The user's own word may be a link: only its target must be a regular file.
-            return open_named(&full.canonicalize().map_err(Refusal::from)?);
+            return Spot::Named(full.clone()).opened();
         }
         if path.is_absolute() {
-            let inside = self.roots.iter().find_map(|(root, dir)| Some((path.strip_prefix(root).ok()?, dir)));
-            let (rest, dir) = inside.ok_or(Refusal::Outside)?;
-            return open_in(dir, rest);
+            let inside = |(root, dir): &(PathBuf, Arc<Dir>)| {
+                Some(Spot::Below(root.clone(), dir.clone(), path.strip_prefix(root).ok()?.to_owned()))
+            };
+            return self.roots.iter().find_map(inside).ok_or(Refusal::Outside)?.opened();
         }
         if path.components().any(|c| !matches!(c, Component::Normal(_) | Component::CurDir)) {
             return Err(Refusal::Outside);
@@ -121,14 +117,38 @@ impl Files {
             return Err(Refusal::Device);
         }
         let mut last = Refusal::Absent;
-        for (_, dir) in &self.roots {
-            match open_in(dir, path) {
-                Ok(file) => return Ok(file),
+        for (root, dir) in &self.roots {
+            match Spot::Below(root.clone(), dir.clone(), path.to_owned()).opened() {
                 Err(Refusal::Absent) => (),
                 Err(other) => last = other,
+                found => return found,
             }
         }
         Err(last)
+    }
+}
+
+impl Spot {
+    fn opened(self) -> Result<(Self, std::fs::File), Refusal> {
+        let file = self.open()?;
+        Ok((self, file))
+    }
+
+    /// Opens the file that lies here now: whatever was here before, it must be allowed anew.
+    pub(super) fn open(&self) -> Result<std::fs::File, Refusal> {
+        match self {
+            Self::Below(_, dir, path) => open_in(dir, path),
+            // The user's own word may be a link: only its target must be a regular file.
+            Self::Named(full) => open_named(&full.canonicalize().map_err(Refusal::from)?),
+        }
+    }
+
+    /// The path, to know the file again.
+    pub(super) fn path(&self) -> PathBuf {
+        match self {
+            Self::Below(root, _, path) => root.join(path),
+            Self::Named(full) => full.clone(),
+        }
     }
 }
 
@@ -144,20 +164,8 @@ pub fn kept_folders() -> Vec<PathBuf> {
     lines.map(PathBuf::from).filter(|p| p.is_dir()).collect()
 }
 
-/// The stamp of an open file, which must be a regular one of a fair size.
-fn regular(file: &cap_std::fs::File) -> Result<Stamp, Refusal> {
-    let meta = file.metadata().map_err(|e| Refusal::Unreadable(e.to_string()))?;
-    if !meta.is_file() {
-        return Err(Refusal::NotRegular);
-    }
-    if meta.len() > MAX_BYTES {
-        return Err(Refusal::TooLarge(meta.len()));
-    }
-    Ok(Stamp { bytes: meta.len(), modified: meta.modified().ok().map(|t| t.into_std()) })
-}
-
 /// Opens below a directory handle; a link that leads out of it is refused by the handle.
-fn open_in(dir: &Dir, path: &Path) -> Result<cap_std::fs::File, Refusal> {
+fn open_in(dir: &Dir, path: &Path) -> Result<std::fs::File, Refusal> {
     // Looked at before it is opened: opening a pipe would wait for a writer for ever.
     let meta = dir.metadata(path).map_err(Refusal::from)?;
     if !meta.is_file() {
@@ -166,10 +174,18 @@ fn open_in(dir: &Dir, path: &Path) -> Result<cap_std::fs::File, Refusal> {
     let mut options = OpenOptions::new();
     options.read(true);
     nonblocking(&mut options);
-    dir.open_with(path, &options).map_err(Refusal::from)
+    let file = dir.open_with(path, &options).map_err(Refusal::from)?.into_std();
+    let meta = file.metadata().map_err(Refusal::from)?;
+    if !meta.is_file() {
+        return Err(Refusal::NotRegular);
+    }
+    if meta.len() > MAX_BYTES {
+        return Err(Refusal::TooLarge(meta.len()));
+    }
+    Ok(file)
 }
 
-fn open_named(path: &Path) -> Result<cap_std::fs::File, Refusal> {
+fn open_named(path: &Path) -> Result<std::fs::File, Refusal> {
     let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
         return Err(Refusal::NotRegular);
     };
@@ -201,8 +217,8 @@ pub fn is_device(name: &str) -> bool {
 }
 
 /// Why a file was not read.
-#[derive(Debug, thiserror::Error)]
-enum Refusal {
+#[derive(Clone, Debug, thiserror::Error)]
+pub(super) enum Refusal {
     #[error("there is no such file beside the graph or in a folder that you allowed (--allow DIR)")]
     Absent,
     #[error("a graph reads files only beside itself or in a folder that you allowed (--allow DIR); refused")]
@@ -218,7 +234,7 @@ enum Refusal {
 }
 
 impl Refusal {
-    fn of(self, request: &FileRequest) -> Error {
+    pub(super) fn of(self, request: &FileRequest) -> Error {
         let FileRequest { parameter, name, .. } = request;
         Error::File { parameter, file: name.clone(), message: self.to_string() }
     }

@@ -1,14 +1,16 @@
 //! Keys: content hashes that name results (law 7).
 //!
-//! A node's key holds its kind and version, its parameters in canonical form, the keys of its inputs, the content
-//! of its files, and those settings of terrain and seed that its kind declares to read. The key of a result adds
-//! the grid. Names, places on the canvas and comments are in neither.
+//! A node's key holds its kind and version, its parameters in canonical form, the keys of its inputs, and those settings
+//! of terrain and seed that its kind declares to read. Of each file that the node asks for it holds the parameter, the
+//! last part of the name and the content, or that the file is not there. The key of a result adds the grid. Names,
+//! places on the canvas and comments are in neither.
 
 use std::fmt;
 
 use serde_json::Value as Json;
 
-use crate::node::{AnyNode, Kind, Reach, Reads, SourceFile};
+use crate::node::{AnyNode, FileRequest, Kind, Reach, Reads};
+use crate::source::last_name;
 use crate::value::{Lattice, Terrain};
 
 /// A content hash.
@@ -70,7 +72,8 @@ pub(super) struct Parts<'a> {
     pub terrain: &'a Terrain,
     /// Port, key of the source node, port of the source.
     pub inputs: &'a [(&'static str, Key, &'static str)],
-    pub files: &'a [std::sync::Arc<SourceFile>],
+    /// What it asked for, and the hash of what was found.
+    pub files: &'a [(FileRequest, Option<[u8; 32]>)],
 }
 
 impl Parts<'_> {
@@ -86,8 +89,13 @@ impl Parts<'_> {
             h.part(&key.0);
             h.part(from.as_bytes());
         }
-        for file in *files {
-            h.part(&file.hash);
+        for (index, (request, content)) in files.iter().enumerate() {
+            h.part(b"file");
+            h.part(request.parameter.as_bytes());
+            h.integer(index as i64);
+            // The extension chooses the reader, and some formats say in the name where they lie.
+            h.part(last_name(&request.name).as_bytes());
+            h.part(content.as_ref().map_or(&[][..], |hash| &hash[..]));
         }
         let (reads, reach) = (kind.meta.reads, node.reach());
         if reads.has(Reads::SEED) {
@@ -123,7 +131,7 @@ impl Parts<'_> {
         h.finish()
     }
 
-    /// The parameters in canonical form; a file counts by its content, not by its name.
+    /// The parameters in canonical form; a file counts by its content and the last part of its name, not by its folder.
     fn parameters(&self) -> Json {
         let mut json = self.node.canonical();
         if let Some(object) = json.as_object_mut() {

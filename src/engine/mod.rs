@@ -19,13 +19,15 @@ mod mix;
 mod plan;
 mod program;
 mod run;
+mod sources;
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use disk::DEFAULT_LIMIT as DEFAULT_CACHE_BYTES;
-pub use error::{EngineError, Failure, SharedFailure, bytes};
+pub use error::{Cause, EngineError, Failure, SharedFailure, bytes};
 pub use files::{Files, is_device, kept_folders};
 pub use key::Key;
 pub use memory::{default_budget, process_peak};
@@ -34,9 +36,11 @@ pub use run::{Observer, TaskReport, Unobserved};
 
 use cache::{Given, Store};
 use program::Program;
+use sources::Sources;
 
 use crate::graph::{Graph, NodeId, Source};
-use crate::node::{Cancel, Error};
+use crate::node::{Cancel, Error, SourceFile};
+use crate::source::SourceError;
 use crate::value::{Grid, Value};
 
 /// Seconds an evaluation may be estimated to take unless the user says otherwise: a day.
@@ -141,11 +145,16 @@ impl Engine {
         self.store.bytes()
     }
 
-    /// States what an evaluation would run.
+    /// States what an evaluation would run. No content of a file is read: where it is not known, the plan counts
+    /// nothing as cached that depends on it, and [`known`](Self::known) gives the plan that does.
     pub fn plan(&self, graph: &Graph, wants: &[Want]) -> Plan {
+        self.plan_of(graph, wants, self.files.sources())
+    }
+
+    fn plan_of(&self, graph: &Graph, wants: &[Want], sources: Arc<Sources>) -> Plan {
         let passed: Vec<_> = wants.iter().map(|w| graph.passed(w.source())).collect();
         let nodes: Vec<NodeId> = passed.iter().flatten().map(|s| s.node).collect();
-        let program = Arc::new(Program::new(graph, &nodes, &self.files));
+        let program = Arc::new(Program::new(graph, &nodes, sources));
         let find = |(want, passed): (&Want, &Option<Source>)| {
             let step = passed.and_then(|s| program.find(s.node)).map(|step| (step, want.grid));
             step.ok_or_else(|| Arc::new(Failure::Graph(absent(graph, want))))
@@ -154,21 +163,74 @@ impl Engine {
         Plan::new(program, &wants, &self.store)
     }
 
-    /// The key of a node's results, whatever the grid; `None` when the node has a fault.
-    pub fn key(&self, graph: &Graph, node: NodeId) -> Option<Key> {
-        let program = Program::new(graph, &[node], &self.files);
-        let step = program.steps.get(program.find(node)?)?;
-        step.as_ref().ok().map(|s| s.key)
+    /// The plan once the content of all files is known: reads those that are not, after the plan was held against the
+    /// budgets. What cannot be read fails in the plan.
+    ///
+    /// # Errors
+    /// When reading them is over a budget, or the work is cancelled.
+    pub fn known(
+        &self,
+        graph: &Graph,
+        wants: &[Want],
+        plan: Plan,
+        observer: &dyn Observer,
+        cancel: &Cancel,
+    ) -> Result<Plan, EngineError> {
+        let unread = plan.unread();
+        if unread.is_empty() {
+            return Ok(plan);
+        }
+        self.admit_reading(&plan)?;
+        learn(&unread, observer, cancel)?;
+        Ok(self.plan_of(graph, wants, plan.program.sources.clone()))
     }
 
-    /// The keys of the results of some nodes; those that have a fault are left out.
-    pub fn keys(&self, graph: &Graph, nodes: &[NodeId]) -> BTreeMap<NodeId, Key> {
-        let program = Program::new(graph, nodes, &self.files);
+    /// Refuses to read files for a plan that is over a budget. A cache folder may hold what the plan counts: then only
+    /// the files themselves are counted.
+    fn admit_reading(&self, plan: &Plan) -> Result<(), EngineError> {
+        if self.store.disk.is_none() {
+            return self.admit(plan);
+        }
+        let (bytes, node) = plan.largest_reading();
+        self.admit_bytes(bytes, || format!("node `{node}`"))?;
+        self.admit_seconds(plan.unread_seconds())
+    }
+
+    /// The key of a node's results, whatever the grid; `None` when the node has a fault, or the content of a file
+    /// before it is not known.
+    pub fn key(&self, graph: &Graph, node: NodeId) -> Option<Key> {
+        let program = Program::new(graph, &[node], self.files.sources());
+        let step = program.steps.get(program.find(node)?)?;
+        step.as_ref().ok().and_then(|s| s.key)
+    }
+
+    /// The keys of the results of some nodes; those that have a fault are left out. Files are read to know their
+    /// content as long as they have no more bytes together than `most`; what hangs on the others is left out, too.
+    ///
+    /// # Errors
+    /// When the work is cancelled.
+    pub fn keys(
+        &self,
+        graph: &Graph,
+        nodes: &[NodeId],
+        most: u64,
+        observer: &dyn Observer,
+        cancel: &Cancel,
+    ) -> Result<BTreeMap<NodeId, Key>, EngineError> {
+        let sources = self.files.sources();
+        let mut program = Program::new(graph, nodes, sources.clone());
+        let steps = program.steps.iter().flatten();
+        let unread: Vec<_> = steps.flat_map(|s| s.unread().map(|f| (s.name.as_str(), f))).collect();
+        let bytes = unread.iter().fold(0, |sum: u64, (_, f)| sum.saturating_add(f.len()));
+        if !unread.is_empty() && bytes <= most {
+            learn(&unread, observer, cancel)?;
+            program = Program::new(graph, nodes, sources);
+        }
         let key = |id: &NodeId| {
             let step = program.steps.get(program.find(*id)?)?;
-            Some((*id, step.as_ref().ok()?.key))
+            Some((*id, step.as_ref().ok()?.key?))
         };
-        nodes.iter().filter_map(key).collect()
+        Ok(nodes.iter().filter_map(key).collect())
     }
 
     /// Refuses a plan that is over a budget.
@@ -176,16 +238,22 @@ impl Engine {
     /// # Errors
     /// Names the budget, the estimate and where its peak is.
     pub fn admit(&self, plan: &Plan) -> Result<(), EngineError> {
-        let need = plan.peak_bytes().saturating_add(self.reserve);
-        if need > self.memory {
-            let (reserve, budget, at) = (self.reserve, self.memory, plan.peak_node());
-            return Err(EngineError::Memory { need, reserve, budget, at });
-        }
-        let need = plan.seconds() / self.pool.current_num_threads() as f64;
-        if need > self.seconds {
-            return Err(EngineError::Time { need, budget: self.seconds });
+        self.admit_bytes(plan.peak_bytes(), || plan.peak_node())?;
+        // Tasks share the threads; a file is hashed by one.
+        self.admit_seconds(plan.run_seconds() / self.pool.current_num_threads() as f64 + plan.unread_seconds())
+    }
+
+    fn admit_bytes(&self, bytes: u64, at: impl FnOnce() -> String) -> Result<(), EngineError> {
+        let (need, reserve, budget) = (bytes.saturating_add(self.reserve), self.reserve, self.memory);
+        if need > budget {
+            return Err(EngineError::Memory { need, reserve, budget, at: at() });
         }
         Ok(())
+    }
+
+    fn admit_seconds(&self, need: f64) -> Result<(), EngineError> {
+        let budget = self.seconds;
+        if need > budget { Err(EngineError::Time { need, budget }) } else { Ok(()) }
     }
 
     /// Evaluates what is wanted. A failure stops only what needs the failed node.
@@ -200,12 +268,12 @@ impl Engine {
         cancel: &Cancel,
     ) -> Result<Evaluation, EngineError> {
         loop {
-            let plan = self.plan(graph, wants);
+            let plan = self.known(graph, wants, self.plan(graph, wants), observer, cancel)?;
             self.admit(&plan)?;
             observer.planned(&plan);
             let spare = self.memory - self.reserve - plan.peak_bytes();
-            // Half of what the tasks leave is for running ahead, half for keeping results.
-            self.store.limit(spare / 2);
+            // Half of what the tasks leave is for running ahead, half for keeping results and decoded files.
+            self.store.limit(spare / 2, self.files.shelf());
             let threads = self.pool.current_num_threads();
             let (plan, store, pool) = (&plan, &self.store, &self.pool);
             let abreast = threads.min(4);
@@ -231,6 +299,27 @@ impl Engine {
     }
 }
 
+/// Reads files to know what they hold. What is wrong with one of them its hash says from then on.
+fn learn(
+    unread: &[(&str, &Arc<SourceFile>)],
+    observer: &dyn Observer,
+    cancel: &Cancel,
+) -> Result<(), EngineError> {
+    for (node, file) in unread {
+        let last = Cell::new(0);
+        let progress = |share: f32| {
+            let now = (share * 100.0) as u32;
+            if last.replace(now) < now {
+                observer.reading(node, file.name(), share);
+            }
+        };
+        if file.hash(cancel, &progress) == Err(SourceError::Cancelled) {
+            return Err(EngineError::Cancelled);
+        }
+    }
+    Ok(())
+}
+
 /// Why nothing stands for a want.
 fn absent(graph: &Graph, want: &Want) -> String {
     match graph.get(want.node) {
@@ -245,7 +334,7 @@ fn cut(source: Option<Source>, grid: &Grid, given: &Given) -> Result<Value, Shar
     let value = given.wires().and_then(|w| w.get(port));
     let missing = || {
         let error = Error::Output { port, message: "was not given".into() };
-        Arc::new(Failure::Graph(error.to_string()))
+        Arc::new(Failure::Engine(error.to_string()))
     };
     value.map(|v| v.crop(grid)).ok_or_else(missing)
 }

@@ -3,7 +3,7 @@
 //! Windows are asked for from the consumers up: each node collects the windows that its consumers need, one per
 //! lattice, before it asks its own sources; so nothing runs twice. What the cache holds asks for nothing.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::account::{Peak, cost, held_bytes, output_bytes, peak, uses};
@@ -11,7 +11,7 @@ use super::cache::{Found, Store};
 use super::error::SharedFailure;
 use super::key::Key;
 use super::program::{Program, Step};
-use crate::node::{Cost, Reach};
+use crate::node::{Cost, Reach, SECONDS_PER_BYTE, SourceFile};
 use crate::value::Grid;
 
 /// What a task does.
@@ -63,7 +63,8 @@ pub(super) struct Task {
     pub step: usize,
     pub stage: Stage,
     pub grid: Grid,
-    pub key: Key,
+    /// None while the content of a file upstream is not known.
+    pub key: Option<Key>,
     pub cost: Cost,
     pub output_bytes: u64,
     pub found: Option<Found>,
@@ -130,7 +131,7 @@ struct Draft {
     step: usize,
     stage: Stage,
     grid: Grid,
-    key: Key,
+    key: Option<Key>,
     found: Option<Found>,
     asks: Vec<(Role, Ask)>,
 }
@@ -181,9 +182,39 @@ impl Plan {
         Self { program, tasks, wanted, peak }
     }
 
-    /// Estimated peak of memory when run in order, in bytes, with the files that are read.
+    /// Estimated peak of memory when run in order, in bytes; files count in the tasks that read them.
     pub fn peak_bytes(&self) -> u64 {
-        self.peak.bytes + self.file_bytes()
+        self.peak.bytes
+    }
+
+    /// The files whose content is not known yet, each with the node that asks for it: until it is, nothing that
+    /// depends on them is found in a cache.
+    pub(super) fn unread(&self) -> Vec<(&str, &Arc<SourceFile>)> {
+        let mut seen = BTreeSet::new();
+        let steps = self.program.steps.iter().flatten();
+        let files = steps.flat_map(|s| s.unread().map(|f| (s.name.as_str(), f)));
+        files.filter(|(_, f)| seen.insert(f.name())).collect()
+    }
+
+    /// Bytes of files that must be read once before it is known what they hold.
+    pub fn unread_bytes(&self) -> u64 {
+        self.unread().iter().fold(0, |sum, (_, f)| sum.saturating_add(f.len()))
+    }
+
+    /// Seconds that takes, on one thread.
+    pub fn unread_seconds(&self) -> f64 {
+        self.unread_bytes() as f64 * SECONDS_PER_BYTE
+    }
+
+    /// The most bytes that a node takes for its files alone, with its name.
+    pub(super) fn largest_reading(&self) -> (u64, &str) {
+        let steps = self.program.steps.iter().flatten();
+        steps.map(|s| (s.reading().bytes, s.name.as_str())).max().unwrap_or_default()
+    }
+
+    /// Why each wanted value cannot be made, where that is known before anything runs.
+    pub fn failures(&self) -> Vec<Option<SharedFailure>> {
+        self.wanted.iter().map(|w| w.as_ref().err().cloned()).collect()
     }
 
     /// Bytes of results that are in memory before anything runs.
@@ -205,19 +236,6 @@ impl Plan {
         consumers
     }
 
-    /// Bytes of the files, each once, and of what every node that runs decodes from them.
-    fn file_bytes(&self) -> u64 {
-        let steps = self.program.steps.iter().flatten();
-        let files: BTreeMap<_, _> =
-            steps.flat_map(|s| &s.files).map(|f| (f.hash, f.bytes.len() as u64)).collect();
-        let runs = self.tasks.iter().filter(|t| t.found.is_none()).map(|t| t.step);
-        let decoded = runs.collect::<BTreeSet<_>>().into_iter().map(|step| match &self.program.steps[step] {
-            Ok(step) => step.node.decoded_bytes(&step.files),
-            Err(_) => 0,
-        });
-        files.into_values().chain(decoded).fold(0, u64::saturating_add)
-    }
-
     /// Distance between samples of the base grid, in metres.
     pub fn base_cell(&self) -> f64 {
         self.program.terrain.base_cell()
@@ -231,8 +249,13 @@ impl Plan {
         narrow.filter(|(_, width)| *width < 2.0 * base).collect()
     }
 
-    /// Estimated seconds on one core.
+    /// Estimated seconds on one core, those for getting to know the content of files among them.
     pub fn seconds(&self) -> f64 {
+        self.run_seconds() + self.unread_seconds()
+    }
+
+    /// Estimated seconds of the tasks on one core.
+    pub fn run_seconds(&self) -> f64 {
         self.tasks.iter().filter(|t| t.found.is_none()).map(|t| t.cost.seconds).fold(0.0, |a, b| a + b)
     }
 
@@ -315,8 +338,7 @@ impl Planner<'_> {
                 Reach::Global => Stage::Lift,
                 Reach::Point | Reach::Local(_) => Stage::Run,
             };
-            let key = step.key.on(stage.name(), &grid.lattice);
-            let found = self.store.find(&key, &grid);
+            let (key, found) = self.found(step, stage, &grid);
             let mut asks = Vec::new();
             if found.is_none() {
                 asks = match stage {
@@ -330,8 +352,7 @@ impl Planner<'_> {
         }
         if base_needed {
             let stage = if step.reach == Reach::Global { Stage::Base } else { Stage::Summary };
-            let key = step.key.on(stage.name(), &self.base.lattice);
-            let found = self.store.find(&key, &self.base);
+            let (key, found) = self.found(step, stage, &self.base);
             let asks = if found.is_none() { Self::input_asks(step, |_| self.base) } else { Vec::new() };
             self.drafts.push(Draft { step: i, stage, grid: self.base, key, found, asks });
         }
@@ -341,6 +362,12 @@ impl Planner<'_> {
                 self.ask(step, grid);
             }
         }
+    }
+
+    /// The key of a result, and where the store has it. What has no key yet is taken for not there.
+    fn found(&self, step: &Step, stage: Stage, grid: &Grid) -> (Option<Key>, Option<Found>) {
+        let key = step.key.map(|key| key.on(stage.name(), &grid.lattice));
+        (key, key.and_then(|key| self.store.find(&key, grid)))
     }
 
     fn input_asks(step: &Step, window: impl Fn(&'static str) -> Grid) -> Vec<(Role, Ask)> {

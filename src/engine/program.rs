@@ -1,19 +1,21 @@
 //! A graph made ready to evaluate: what stands upstream of the wanted nodes, parsed, in topological order, with keys.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::error::{Failure, SharedFailure};
-use super::files::Files;
 use super::key::{Key, Parts};
+use super::sources::Sources;
 use crate::graph::{Graph, NodeId, Place, Problem};
-use crate::node::{AnyNode, Error, Kind, Reach, SourceFile};
+use crate::node::{AnyNode, Cost, Error, FileRequest, Kind, Reach, SourceFile};
 use crate::value::{Grid, Terrain};
 
 /// The parsed part of a graph that some wanted nodes need.
 #[derive(Debug)]
 pub(super) struct Program {
     pub terrain: Terrain,
+    /// The files as they were looked at.
+    pub sources: Arc<Sources>,
     /// In topological order; a step that failed stands for all that need it.
     pub steps: Vec<Result<Step, SharedFailure>>,
     index: BTreeMap<NodeId, usize>,
@@ -28,7 +30,9 @@ pub(super) struct Step {
     pub reach: Reach,
     pub inputs: Vec<Input>,
     pub files: Vec<Arc<SourceFile>>,
-    pub key: Key,
+    /// None while the content of a file upstream is not known.
+    pub key: Option<Key>,
+    reading: OnceLock<Cost>,
 }
 
 /// A connected input that matters to the result.
@@ -40,22 +44,36 @@ pub(super) struct Input {
 }
 
 impl Step {
+    /// What reading its files takes; headers are looked at once.
+    pub(super) fn reading(&self) -> Cost {
+        if self.files.is_empty() {
+            return Cost::default();
+        }
+        *self.reading.get_or_init(|| self.node.reading(&self.files))
+    }
+
+    /// Its files whose content is not known.
+    pub(super) fn unread(&self) -> impl Iterator<Item = &Arc<SourceFile>> {
+        self.files.iter().filter(|f| f.known_hash().is_none())
+    }
+
     pub(super) fn input(&self, port: &str) -> Option<Input> {
         self.inputs.iter().copied().find(|i| i.port == port)
     }
 }
 
 impl Program {
-    pub(super) fn new(graph: &Graph, wanted: &[NodeId], files: &Files) -> Self {
-        let mut program =
-            Self { terrain: graph.terrain().clone(), steps: Vec::new(), index: BTreeMap::new() };
+    /// Parses what some nodes need. No content of a file is read.
+    pub(super) fn new(graph: &Graph, wanted: &[NodeId], sources: Arc<Sources>) -> Self {
+        let terrain = graph.terrain().clone();
+        let mut program = Self { terrain, sources, steps: Vec::new(), index: BTreeMap::new() };
         let (order, cyclic) = upstream(graph, wanted);
         for id in order {
             let step = if cyclic.contains(&id) {
                 let message = format!("node `{}` is part of a cycle", graph.node(id).name);
                 Err(Arc::new(Failure::Graph(message)))
             } else {
-                program.step(graph, id, files)
+                program.step(graph, id)
             };
             program.index.insert(id, program.steps.len());
             program.steps.push(step);
@@ -73,10 +91,10 @@ impl Program {
         self.index.get(&id).copied()
     }
 
-    fn step(&self, graph: &Graph, id: NodeId, files: &Files) -> Result<Step, SharedFailure> {
+    fn step(&self, graph: &Graph, id: NodeId) -> Result<Step, SharedFailure> {
         let graph_node = graph.node(id);
         let name = graph_node.name.clone();
-        let wrong = |error: Error| Arc::new(Failure::Document { node: name.clone(), error });
+        let wrong = |error: Error| Arc::new(Failure::of_document(&name, error));
         let node = graph_node.parse().map_err(wrong)?;
         let kind = graph_node
             .kind()
@@ -85,18 +103,37 @@ impl Program {
             InputFault::Here(error) => wrong(error),
             InputFault::Upstream(shared) => shared,
         })?;
-        let files = files.read(&node.files()).map_err(wrong)?;
-        let keyed: Vec<_> = inputs.iter().map(|i| (i.port, self.key(i.step), i.from)).collect();
-        let key = Parts { kind, node: &*node, terrain: &self.terrain, inputs: &keyed, files: &files }.key();
-        let reach = node.reach();
-        Ok(Step { name, kind, node, reach, inputs, files, key })
+        let requests = node.files();
+        let found = self.sources.find(&requests).map_err(wrong)?;
+        let key = self.key(kind, &*node, &inputs, requests, &found).map_err(wrong)?;
+        let (reach, files) = (node.reach(), found.into_iter().flatten().collect());
+        Ok(Step { name, kind, node, reach, inputs, files, key, reading: OnceLock::new() })
     }
 
-    fn key(&self, step: usize) -> Key {
-        match &self.steps[step] {
-            Ok(step) => step.key,
-            Err(_) => unreachable!("inputs of a step are steps that did not fail"),
+    /// The key of a node; none while the content of a file is not known.
+    fn key(
+        &self,
+        kind: &Kind,
+        node: &dyn AnyNode,
+        inputs: &[Input],
+        requests: Vec<FileRequest>,
+        found: &[Option<Arc<SourceFile>>],
+    ) -> Result<Option<Key>, Error> {
+        let mut files = Vec::new();
+        for (request, file) in requests.into_iter().zip(found) {
+            let content = match file.as_ref().map(|f| f.known_hash()) {
+                None => None,
+                Some(None) => return Ok(None),
+                Some(Some(hash)) => {
+                    Some(hash.map_err(|e| Error::of_source(request.parameter, &request.name, e))?)
+                }
+            };
+            files.push((request, content));
         }
+        let key_of = |i: &Input| self.steps[i.step].as_ref().ok().and_then(|s| s.key);
+        let keyed: Option<Vec<_>> = inputs.iter().map(|i| Some((i.port, key_of(i)?, i.from))).collect();
+        let terrain = &self.terrain;
+        Ok(keyed.map(|inputs| Parts { kind, node, terrain, inputs: &inputs, files: &files }.key()))
     }
 
     fn inputs(

@@ -22,6 +22,10 @@ use crate::value::{Grid, Value};
 
 /// What happens while an evaluation runs; called from several threads.
 pub trait Observer: Sync {
+    /// The content of a file that a node names is read to know what it holds: the finished share, 0 to 1.
+    fn reading(&self, node: &str, file: &str, share: f32) {
+        let _ = (node, file, share);
+    }
     /// The plan is made and admitted; tasks are numbered by their place in it.
     fn planned(&self, plan: &Plan) {
         let _ = plan;
@@ -151,7 +155,7 @@ impl Runner<'_> {
         let state = Mutex::new(State::new(self.plan));
         self.pool.in_place_scope(|scope| self.launch(scope, &state, &consumers));
         let state = state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let stopped = || Arc::new(Failure::Graph("cancelled".into()));
+        let stopped = || Arc::new(Failure::Cancelled);
         let end = |w: &Result<usize, SharedFailure>| match w {
             Ok(task) => state.ends[*task].clone().unwrap_or_else(|| Err(stopped())),
             Err(failure) => Err(failure.clone()),
@@ -240,18 +244,20 @@ impl Runner<'_> {
                 Some(Found::Disk(path)) => {
                     match self.store.disk.as_ref().and_then(|d| d.get(path, step.kind)) {
                         Some(given) => {
-                            self.store.keep(task.key, task.grid, &given, &warnings);
+                            if let Some(key) = task.key {
+                                self.store.keep(key, task.grid, &given, &warnings);
+                            }
                             Ok(Arc::new(given))
                         }
                         None => {
                             damaged = true;
-                            Err(Arc::new(Failure::Graph("a file of the cache is damaged".into())))
+                            Err(Arc::new(Failure::Cache(path.display().to_string())))
                         }
                     }
                 }
                 None => self
                     .compute(i, task, &given, &mut warnings)
-                    .map_err(|error| Arc::new(Failure::Run { node: step.name.clone(), error })),
+                    .map_err(|error| Arc::new(Failure::of_run(&step.name, error))),
             },
         };
         let seconds = start.elapsed().as_secs_f64();
@@ -312,11 +318,12 @@ impl Runner<'_> {
         let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)));
         *warnings = said.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect();
         let given = given?;
-        self.store.keep(task.key, task.grid, &given, warnings);
+        let Some(key) = task.key else { return Ok(Arc::new(given)) };
+        self.store.keep(key, task.grid, &given, warnings);
         // A file holds samples and no warnings.
         if let Some(disk) = self.store.disk.as_ref().filter(|_| given.is_raster() && warnings.is_empty()) {
             // A full disk costs the next process time, not this one its result.
-            let _ = disk.put(&task.key, &task.grid, &given);
+            let _ = disk.put(&key, &task.grid, &given);
         }
         Ok(Arc::new(given))
     }
@@ -331,7 +338,7 @@ fn panicked(panic: &(dyn std::any::Any + Send)) -> Error {
 
 /// The results of all needs, or the first failure among them.
 fn inputs(needs: &[Option<End>]) -> Result<Vec<Arc<Given>>, SharedFailure> {
-    let missing = || Arc::new(Failure::Graph("an input was not computed".into()));
+    let missing = || Arc::new(Failure::Engine("an input was not computed".into()));
     needs.iter().map(|n| n.clone().unwrap_or_else(|| Err(missing()))).collect()
 }
 

@@ -9,6 +9,10 @@ use super::input::{Companion, Input};
 use super::place::Placement;
 use super::reading::Reading;
 use super::watch::Watch;
+use crate::source::ReadAt;
+
+/// Bytes of a file up to which its claim is read.
+const MOST_CLAIMED: usize = 1 << 30;
 
 /// The most that a file may claim before memory is taken for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -169,11 +173,17 @@ pub fn read_height_as(
 /// Those of [`read_height`] that show before the first sample.
 pub fn claimed_size(
     name: &str,
-    bytes: &[u8],
+    bytes: &dyn ReadAt,
     sidecar: Option<&[u8]>,
     limits: &Limits,
 ) -> Result<[u64; 2], ReadError> {
     let companions: Vec<_> = sidecar.map(|bytes| Companion { name: ".json", bytes }).into_iter().collect();
+    // Claims are read from the whole content; of a large file the length counts alone.
+    let too_large = || Fault::Unsupported(format!("{} bytes", bytes.len())).of(name);
+    let count = usize::try_from(bytes.len()).ok().filter(|n| *n <= MOST_CLAIMED).ok_or_else(too_large)?;
+    let mut all = vec![0; count];
+    bytes.read_at(0, &mut all).map_err(|e| Fault::Damaged(e.to_string()).of(name))?;
+    let bytes = &all[..];
     let (reading, watch) = (Reading::default(), Watch::default());
     let input = Input { name, bytes, companions: &companions, reading: &reading, limits, watch };
     input.claim().map(|claim| [claim.cols, claim.rows])

@@ -46,7 +46,7 @@ pub use info::{Info, info};
 pub use input::{Claim, Companion, Input, companions};
 pub use place::{Affine, Anchor, Placement, Units};
 pub use reading::Reading;
-pub use relief::{Closing, Relief, Reliefs, Request};
+pub use relief::{Closing, Relief, Request};
 pub use sheet::Sink;
 pub use sidecar::{Sidecar, sidecar_name};
 pub use target::{Target, target_warnings};

@@ -1,8 +1,5 @@
 //! A height file as a surface: voids closed, a spline through its samples, a value at any place.
 
-use std::sync::{Arc, Mutex, PoisonError};
-
-use super::apart::apart;
 use super::error::ReadError;
 use super::height::{Encoding, Limits, read_height_as};
 use super::place::Placement;
@@ -21,15 +18,13 @@ pub enum Closing {
     Level(f32),
 }
 
-/// What a surface is made of.
+/// How a surface is made of a file.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
     /// Name of the file.
     pub name: &'a str,
-    /// Its content.
-    pub bytes: &'a [u8],
-    /// Content of its sidecar, with its hash.
-    pub sidecar: Option<(&'a [u8], [u8; 32])>,
+    /// Content of its sidecar.
+    pub sidecar: Option<&'a [u8]>,
     /// How the pixels of a PNG hold heights.
     pub encoding: Encoding,
     /// How voids are closed.
@@ -38,36 +33,15 @@ pub struct Request<'a> {
     pub cubic: bool,
 }
 
-type Key = (Option<[u8; 32]>, Encoding, Option<u32>, bool);
-
 impl Request<'_> {
-    fn key(&self) -> Key {
+    /// What tells it from another request for the same file.
+    pub fn identity(&self) -> Vec<u8> {
         let level = match self.closing {
             Closing::Smooth => None,
             Closing::Level(height) => Some(height.to_bits()),
         };
-        (self.sidecar.map(|s| s.1), self.encoding, level, self.cubic)
-    }
-}
-
-/// The surfaces made of one file: one for each way in which nodes read it.
-#[derive(Debug, Default)]
-pub struct Reliefs(Mutex<Vec<(Key, Arc<Relief>)>>);
-
-impl Reliefs {
-    /// The surface of a request, made once.
-    ///
-    /// # Errors
-    /// When the file cannot be read, or holds nothing but voids.
-    pub fn get(&self, request: &Request<'_>, limits: &Limits) -> Result<Arc<Relief>, ReadError> {
-        let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = request.key();
-        if let Some((_, found)) = made.iter().find(|(k, _)| *k == key) {
-            return Ok(found.clone());
-        }
-        let fresh = Arc::new(apart(|| Relief::new(request, limits))?);
-        made.push((key, fresh.clone()));
-        Ok(fresh)
+        let sidecar = self.sidecar.map(|s| blake3::hash(s));
+        format!("{sidecar:?} {:?} {level:?} {}", self.encoding, self.cubic).into_bytes()
     }
 }
 
@@ -100,9 +74,9 @@ impl Relief {
     ///
     /// # Errors
     /// When the file cannot be read, or holds nothing but voids.
-    pub fn new(request: &Request<'_>, limits: &Limits) -> Result<Self, ReadError> {
-        let Request { name, bytes, sidecar, encoding, closing, cubic } = *request;
-        let file = read_height_as(name, bytes, sidecar.map(|s| s.0), limits, encoding)?;
+    pub fn new(request: &Request<'_>, bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
+        let Request { name, sidecar, encoding, closing, cubic } = *request;
+        let file = read_height_as(name, bytes, sidecar, limits, encoding)?;
         let (cols, rows, mut heights) = (file.cols, file.rows, file.data);
         let any = heights.iter().any(|v| v.is_nan());
         let voids = if any { heights.iter().map(|v| v.is_nan()).collect() } else { Vec::new() };
@@ -123,6 +97,12 @@ impl Relief {
     /// readers hold beside them.
     pub fn bytes(cols: u64, rows: u64, cubic: bool) -> u64 {
         cols.saturating_mul(rows).saturating_mul(if cubic { 17 } else { 13 })
+    }
+
+    /// Bytes that the surface holds.
+    pub fn held_bytes(&self) -> u64 {
+        let spline = if self.spline.is_some() { size_of_val(&self.heights[..]) } else { 0 };
+        (size_of_val(&self.heights[..]) + self.voids.len() + spline) as u64
     }
 
     /// Whether some sample was void.

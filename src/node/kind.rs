@@ -28,8 +28,8 @@ pub trait AnyNode: Debug + Send + Sync {
     fn check(&self) -> Result<()>;
     /// See [`Node::files`].
     fn files(&self) -> Vec<FileRequest>;
-    /// See [`Node::decoded_bytes`].
-    fn decoded_bytes(&self, files: &[Arc<SourceFile>]) -> u64;
+    /// See [`Node::reading`].
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost;
     /// See [`Node::narrowest`].
     fn narrowest(&self) -> Option<f64>;
     /// Whether the node needs a summary.
@@ -67,8 +67,8 @@ impl<N: Node> AnyNode for N {
     fn files(&self) -> Vec<FileRequest> {
         Node::files(self)
     }
-    fn decoded_bytes(&self, files: &[Arc<SourceFile>]) -> u64 {
-        Node::decoded_bytes(self, files)
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {
+        Node::reading(self, files)
     }
     fn narrowest(&self) -> Option<f64> {
         Node::narrowest(self)

@@ -297,7 +297,8 @@ impl Node for Bytes {
         vec![FileRequest { parameter: "file", name: self.file.0.clone(), optional: false }]
     }
     fn run(&self, cx: &Context<'_>, _: None) -> Result<One> {
-        let n = cx.file(&self.file).map_or(0, |f| f.bytes.len());
+        let file = cx.file(&self.file).ok_or(Error::Undeclared { what: "file" })?;
+        let n = cx.read("file", file)?.len();
         Ok(One { field: Field::constant(cx.grid, Quantity::Number, n as f32) })
     }
 }

@@ -1,7 +1,7 @@
 //! The small pictures of the nodes.
 
 use super::view::value_range;
-use super::{Order, Shared, Stopped, lock};
+use super::{Order, Shared, Stopped, UNASKED_BYTES, lock};
 use crate::context::Cancel;
 use crate::editor::board::{NodeState, Seen};
 use crate::editor::draft::preview;
@@ -20,7 +20,10 @@ impl Shared {
     pub(super) fn thumbnails(&self, engine: &Engine, order: &Order, cancel: &Cancel) -> Result<(), Stopped> {
         let graph = &order.graph;
         let all: Vec<NodeId> = graph.nodes().collect();
-        let keys = engine.keys(graph, &all);
+        let most = if order.whatever_it_takes { u64::MAX } else { UNASKED_BYTES };
+        let tell = |node, state| self.tell(|board| board.node(node, state));
+        let watch = Watcher::new(graph, &tell);
+        let keys = engine.keys(graph, &all, most, &watch, cancel).map_err(|_| Stopped)?;
         self.tell(|board| board.keep(&keys));
         let Some(grid) = preview(graph.terrain(), SIZE) else { return Ok(()) };
         let hidden = all.iter().filter(|id| !order.in_sight.contains(id));
@@ -51,7 +54,7 @@ impl Shared {
         let Some(port) = graph.get(id).and_then(|n| n.kind()?.outputs.first()) else { return Ok(()) };
         let want = [Want { node: id, port: port.name, grid }];
         let plan = engine.plan(graph, &want);
-        if plan.seconds() > SECONDS || engine.admit(&plan).is_err() {
+        if plan.run_seconds() > SECONDS || engine.admit(&plan).is_err() {
             return Ok(());
         }
         let tell = |node, state| self.tell(|board| board.node(node, state));

@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use super::{Order, Shared, Stopped, lock};
+use super::{Order, Shared, Stopped, UNASKED_BYTES, lock};
 use crate::context::Cancel;
-use crate::editor::board::{Made, NodeState, Scenery, Shown};
+use crate::editor::board::{Held, Made, NodeState, Scenery, Shown};
 use crate::editor::draft::{COARSER, draft_of, preview};
 use crate::editor::shade::{self, Light};
 use crate::editor::watcher::Watcher;
@@ -73,10 +73,10 @@ impl Shared {
         let threads = engine.pool().current_num_threads() as f64;
         let plan = engine.plan(graph, &wants(scene, grid));
         let over = engine.admit(&plan).err().map(|e| (e.to_string(), plan.peak_bytes()));
-        let long = plan.seconds() > self.patience && !order.whatever_it_takes;
+        let (seconds, unread) = (plan.seconds(), plan.unread_bytes());
+        let long = (seconds > self.patience || unread > UNASKED_BYTES) && !order.whatever_it_takes;
         if over.is_some() || long {
-            let seconds = plan.seconds();
-            self.tell(|board| board.hold(over, seconds));
+            self.tell(|board| board.hold(Held { over, seconds, unread }));
             return Err(Stopped);
         }
         let show = |graph: &Graph, grid, draft| self.show(engine, order, scene, graph, grid, draft, cancel);
@@ -221,7 +221,8 @@ impl Shared {
         let alone = Scenery { against: None, ..*scene };
         let wants = wants(&alone, grid);
         let plan = engine.plan(&order.graph, &wants);
-        if engine.admit(&plan).is_err() || plan.seconds() > self.patience {
+        if engine.admit(&plan).is_err() || plan.seconds() > self.patience || plan.unread_bytes() > UNASKED_BYTES
+        {
             return Ok(());
         }
         let tell = |node, state| self.tell(|board| board.node(node, state));

@@ -209,7 +209,8 @@ fn voids_are_closed_and_come_out_as_a_mask() {
 }
 
 fn open(file: &SourceFile) -> HeightFile {
-    read_height(&file.name, &file.bytes, None, &Limits::default()).expect("reads")
+    let bytes = file.read(&Cancel::default(), &|_| ()).expect("is in memory");
+    read_height(file.name(), &bytes, None, &Limits::default()).expect("reads")
 }
 
 #[test]
