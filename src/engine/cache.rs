@@ -70,6 +70,15 @@ impl Found {
     }
 }
 
+/// Where results are looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stock {
+    /// In memory and in the folder.
+    All,
+    /// In memory alone.
+    Memory,
+}
+
 /// Memory first, then the folder.
 #[derive(Debug)]
 pub(super) struct Store {
@@ -103,9 +112,12 @@ impl Store {
     }
 
     /// A result whose window holds the wanted one.
-    pub(super) fn find(&self, key: &Key, grid: &Grid) -> Option<Found> {
+    pub(super) fn find(&self, key: &Key, grid: &Grid, stock: Stock) -> Option<Found> {
         if let Some((given, warnings)) = self.memory().get(key, grid) {
             return Some(Found::Memory(given, warnings));
+        }
+        if stock == Stock::Memory {
+            return None;
         }
         self.disk.as_ref()?.find(key, grid).map(Found::Disk)
     }

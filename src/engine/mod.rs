@@ -34,7 +34,7 @@ pub use memory::{default_budget, process_peak};
 pub use plan::{Plan, PlannedTask, Stage};
 pub use run::{Observer, TaskReport, Unobserved};
 
-use cache::{Given, Store};
+use cache::{Given, Stock, Store};
 use program::Program;
 use sources::Sources;
 
@@ -59,7 +59,7 @@ pub struct Options {
     pub seconds: f64,
     /// Folder of results that outlive the process.
     pub cache: Option<PathBuf>,
-    /// Bytes that folder may hold when it is opened.
+    /// Bytes that folder may hold.
     pub cache_bytes: u64,
 }
 
@@ -106,7 +106,12 @@ pub struct Evaluation {
     pub planned_bytes: u64,
     /// For each want the spacing of the finest detail its value can hold, in metres; `None` where there is no value.
     pub effective_cells: Vec<Option<f64>>,
+    /// What the engine itself has to say, each once: that the cache folder cannot keep results.
+    pub notices: Vec<String>,
 }
+
+/// How often an evaluation begins anew because a file of the cache folder could not be used, before it looks for none.
+const MOST_LOST: u32 = 3;
 
 /// Evaluates graphs and keeps what it computed.
 #[derive(Debug)]
@@ -140,18 +145,23 @@ impl Engine {
         &self.pool
     }
 
-    /// Bytes of results held in memory.
+    /// Bytes of results and decoded files held in memory.
     pub fn cached_bytes(&self) -> u64 {
-        self.store.bytes()
+        self.store.bytes() + self.files.shelf().bytes()
+    }
+
+    /// Bytes that are set aside for all but the evaluation.
+    pub fn reserve(&self) -> u64 {
+        self.reserve
     }
 
     /// States what an evaluation would run. No content of a file is read: where it is not known, the plan counts
-    /// nothing as cached that depends on it, and [`known`](Self::known) gives the plan that does.
+    /// nothing as cached that depends on it, and [`know`](Self::know) makes it one that does.
     pub fn plan(&self, graph: &Graph, wants: &[Want]) -> Plan {
-        self.plan_of(graph, wants, self.files.sources())
+        self.plan_of(graph, wants, self.files.sources(), Stock::All)
     }
 
-    fn plan_of(&self, graph: &Graph, wants: &[Want], sources: Arc<Sources>) -> Plan {
+    fn plan_of(&self, graph: &Graph, wants: &[Want], sources: Arc<Sources>, stock: Stock) -> Plan {
         let passed: Vec<_> = wants.iter().map(|w| graph.passed(w.source())).collect();
         let nodes: Vec<NodeId> = passed.iter().flatten().map(|s| s.node).collect();
         let program = Arc::new(Program::new(graph, &nodes, sources));
@@ -160,29 +170,30 @@ impl Engine {
             step.ok_or_else(|| Arc::new(Failure::Graph(absent(graph, want))))
         };
         let wants: Vec<_> = wants.iter().zip(&passed).map(find).collect();
-        Plan::new(program, &wants, &self.store)
+        Plan::new(program, &wants, &self.store, stock)
     }
 
-    /// The plan once the content of all files is known: reads those that are not, after the plan was held against the
-    /// budgets. What cannot be read fails in the plan.
+    /// Makes a plan one that knows the content of all files: reads those that are not known, after the plan was held
+    /// against the budgets. What cannot be read fails in the plan.
     ///
     /// # Errors
-    /// When reading them is over a budget, or the work is cancelled.
-    pub fn known(
+    /// When reading them is over a budget, or the work is cancelled; the plan is then as it was.
+    pub fn know(
         &self,
         graph: &Graph,
         wants: &[Want],
-        plan: Plan,
+        plan: &mut Plan,
         observer: &dyn Observer,
         cancel: &Cancel,
-    ) -> Result<Plan, EngineError> {
+    ) -> Result<(), EngineError> {
         let unread = plan.unread();
         if unread.is_empty() {
-            return Ok(plan);
+            return Ok(());
         }
-        self.admit_reading(&plan)?;
+        self.admit_reading(plan)?;
         learn(&unread, observer, cancel)?;
-        Ok(self.plan_of(graph, wants, plan.program.sources.clone()))
+        *plan = self.plan_of(graph, wants, plan.program.sources.clone(), Stock::All);
+        Ok(())
     }
 
     /// Refuses to read files for a plan that is over a budget. A cache folder may hold what the plan counts: then only
@@ -253,7 +264,8 @@ impl Engine {
 
     fn admit_seconds(&self, need: f64) -> Result<(), EngineError> {
         let budget = self.seconds;
-        if need > budget { Err(EngineError::Time { need, budget }) } else { Ok(()) }
+        // A budget that is no number allows nothing.
+        if need <= budget { Ok(()) } else { Err(EngineError::Time { need, budget }) }
     }
 
     /// Evaluates what is wanted. A failure stops only what needs the failed node.
@@ -267,8 +279,14 @@ impl Engine {
         observer: &dyn Observer,
         cancel: &Cancel,
     ) -> Result<Evaluation, EngineError> {
+        let mut lost = 0;
         loop {
-            let plan = self.known(graph, wants, self.plan(graph, wants), observer, cancel)?;
+            let mut plan = self.plan(graph, wants);
+            self.know(graph, wants, &mut plan, observer, cancel)?;
+            // Other processes may remove what a plan has found as quickly as it finds it.
+            if lost >= MOST_LOST {
+                plan = self.plan_of(graph, wants, plan.program.sources.clone(), Stock::Memory);
+            }
             self.admit(&plan)?;
             observer.planned(&plan);
             let spare = self.memory - self.reserve - plan.peak_bytes();
@@ -281,8 +299,9 @@ impl Engine {
             if cancel.is_cancelled() {
                 return Err(EngineError::Cancelled);
             }
-            // The damaged file is gone now: the next plan computes what it should have held.
-            if ran.damaged {
+            // The file that could not be used is not found again: the next plan computes what it should have held.
+            if ran.lost {
+                lost += 1;
                 continue;
             }
             let values = wants.iter().zip(ran.wanted);
@@ -294,6 +313,7 @@ impl Engine {
                 peak_bytes: ran.peak_bytes,
                 planned_bytes: plan.peak_bytes(),
                 effective_cells: (0..wants.len()).map(|i| plan.effective_cell(i)).collect(),
+                notices: self.store.disk.as_ref().and_then(disk::Disk::complaint).into_iter().collect(),
             });
         }
     }

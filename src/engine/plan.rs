@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::account::{Peak, cost, held_bytes, output_bytes, peak, uses};
-use super::cache::{Found, Store};
+use super::cache::{Found, Stock, Store};
 use super::error::SharedFailure;
 use super::key::Key;
 use super::program::{Program, Step};
@@ -148,6 +148,7 @@ enum Ask {
 struct Planner<'a> {
     program: &'a Program,
     store: &'a Store,
+    stock: Stock,
     base: Grid,
     /// Windows asked of each step, one per lattice.
     windows: Vec<Vec<Grid>>,
@@ -159,10 +160,11 @@ impl Plan {
         program: Arc<Program>,
         wants: &[Result<(usize, Grid), SharedFailure>],
         store: &Store,
+        stock: Stock,
     ) -> Self {
         let base = program.terrain.base_grid();
         let windows = vec![Vec::new(); program.steps.len()];
-        let mut planner = Planner { program: &program, store, base, windows, drafts: Vec::new() };
+        let mut planner = Planner { program: &program, store, stock, base, windows, drafts: Vec::new() };
         for (step, grid) in wants.iter().flatten() {
             planner.ask(*step, *grid);
         }
@@ -367,7 +369,7 @@ impl Planner<'_> {
     /// The key of a result, and where the store has it. What has no key yet is taken for not there.
     fn found(&self, step: &Step, stage: Stage, grid: &Grid) -> (Option<Key>, Option<Found>) {
         let key = step.key.map(|key| key.on(stage.name(), &grid.lattice));
-        (key, key.and_then(|key| self.store.find(&key, grid)))
+        (key, key.and_then(|key| self.store.find(&key, grid, self.stock)))
     }
 
     fn input_asks(step: &Step, window: impl Fn(&'static str) -> Grid) -> Vec<(Role, Ask)> {

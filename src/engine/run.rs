@@ -5,9 +5,11 @@
 //! the budget and never comes to a standstill.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::path::Path;
 use std::time::Instant;
 
 use rayon::Scope;
@@ -16,7 +18,7 @@ use super::cache::{Found, Given, Store, Warnings};
 use super::error::{Failure, SharedFailure};
 use super::plan::{Plan, Role, Stage, Task};
 use super::{lift, mix};
-use crate::node::{AnyNode, Cancel, Context, Error, Result};
+use crate::node::{AnyNode, Cancel, Context, Error, Kind, Result};
 use crate::ports::{MASK, Wires};
 use crate::value::{Grid, Value};
 
@@ -81,8 +83,8 @@ type End = Result<Arc<Given>, SharedFailure>;
 pub(super) struct Ran {
     pub wanted: Vec<Result<Arc<Given>, SharedFailure>>,
     pub reports: Vec<TaskReport>,
-    /// A file of the cache turned out damaged; the plan counted on it.
-    pub damaged: bool,
+    /// A file of the cache that the plan counted on could not be used.
+    pub lost: bool,
     /// Most bytes that were alive at once, by account.
     pub peak_bytes: u64,
 }
@@ -114,7 +116,7 @@ struct State {
     ahead: BTreeMap<usize, u64>,
     alive: u64,
     peak: u64,
-    damaged: bool,
+    lost: bool,
 }
 
 impl State {
@@ -132,7 +134,7 @@ impl State {
             ahead: BTreeMap::new(),
             alive: plan.held_bytes(),
             peak: 0,
-            damaged: false,
+            lost: false,
         }
     }
 
@@ -164,7 +166,7 @@ impl Runner<'_> {
         Ran {
             wanted,
             reports: state.reports.into_values().collect(),
-            damaged: state.damaged,
+            lost: state.lost,
             peak_bytes: state.peak,
         }
     }
@@ -177,10 +179,10 @@ impl Runner<'_> {
             let task = &self.plan.tasks[i];
             let given = guard.start(i, task);
             scope.spawn(move |scope| {
-                let (end, report, damaged) = self.execute(i, task, &given);
+                let (end, report, lost) = self.execute(i, task, &given);
                 drop(given);
                 let mut guard = lock();
-                guard.damaged |= damaged;
+                guard.lost |= lost;
                 self.settle(&mut guard, i, task, end, report);
                 for &consumer in &consumers[i] {
                     guard.missing[consumer] -= 1;
@@ -196,7 +198,7 @@ impl Runner<'_> {
 
     /// The first task that is ready and may start.
     fn next(&self, state: &State) -> Option<usize> {
-        if self.cancel.is_cancelled() || state.damaged || state.running >= self.abreast {
+        if self.cancel.is_cancelled() || state.lost || state.running >= self.abreast {
             return None;
         }
         let ahead: u64 = state.ahead.values().sum();
@@ -232,7 +234,7 @@ impl Runner<'_> {
         let step = self.plan.step(task);
         let start = Instant::now();
         self.observer.started(i);
-        let mut damaged = false;
+        let mut lost = false;
         let mut warnings = Warnings::default();
         let end = match inputs(needs) {
             Err(failure) => Err(failure),
@@ -241,20 +243,13 @@ impl Runner<'_> {
                     warnings = said.clone();
                     Ok(Arc::new(given.clone()))
                 }
-                Some(Found::Disk(path)) => {
-                    match self.store.disk.as_ref().and_then(|d| d.get(path, step.kind)) {
-                        Some(given) => {
-                            if let Some(key) = task.key {
-                                self.store.keep(key, task.grid, &given, &warnings);
-                            }
-                            Ok(Arc::new(given))
-                        }
-                        None => {
-                            damaged = true;
-                            Err(Arc::new(Failure::Cache(path.display().to_string())))
-                        }
+                Some(Found::Disk(path)) => match self.load(path, task, step.kind) {
+                    Ok(given) => Ok(Arc::new(given)),
+                    Err(why) => {
+                        lost = true;
+                        Err(Arc::new(Failure::Cache(format!("{why}: {}", path.display()))))
                     }
-                }
+                },
                 None => self
                     .compute(i, task, &given, &mut warnings)
                     .map_err(|error| Arc::new(Failure::of_run(&step.name, error))),
@@ -273,7 +268,17 @@ impl Runner<'_> {
             warnings: warnings.to_vec(),
             done: end.is_ok(),
         };
-        (end, report, damaged)
+        (end, report, lost)
+    }
+
+    /// A result from the cache folder.
+    fn load(&self, path: &Path, task: &Task, kind: &Kind) -> io::Result<Given> {
+        let (Some(disk), Some(key)) = (&self.store.disk, task.key) else {
+            return Err(io::ErrorKind::NotFound.into());
+        };
+        let given = disk.get(path, &key, &task.grid, kind)?;
+        self.store.keep(key, task.grid, &given, &Warnings::default());
+        Ok(given)
     }
 
     fn compute(
@@ -322,8 +327,7 @@ impl Runner<'_> {
         self.store.keep(key, task.grid, &given, warnings);
         // A file holds samples and no warnings.
         if let Some(disk) = self.store.disk.as_ref().filter(|_| given.is_raster() && warnings.is_empty()) {
-            // A full disk costs the next process time, not this one its result.
-            let _ = disk.put(&key, &task.grid, &given);
+            disk.put(&key, &task.grid, &given);
         }
         Ok(Arc::new(given))
     }
@@ -348,7 +352,7 @@ fn stage(
     cx: &Context<'_>,
     task: &Task,
     node: &dyn AnyNode,
-    kind: &'static crate::node::Kind,
+    kind: &'static Kind,
     needs: &Needs<'_>,
 ) -> Result<Given> {
     let mut own = Wires::default();
@@ -389,7 +393,7 @@ fn fine_inputs(needs: &Needs<'_>) -> Result<Wires> {
 }
 
 /// The outputs of a global node on the grid of its consumer.
-fn lifted(cx: &Context<'_>, kind: &crate::node::Kind, needs: &Needs<'_>) -> Result<Wires> {
+fn lifted(cx: &Context<'_>, kind: &Kind, needs: &Needs<'_>) -> Result<Wires> {
     let base = needs.iter().find_map(|(role, g)| if *role == Role::Base { g.wires() } else { None });
     let base = base.ok_or(Error::Output { port: "", message: "was not computed on the base grid".into() })?;
     let fine = fine_inputs(needs)?;
@@ -412,7 +416,7 @@ fn lifted(cx: &Context<'_>, kind: &crate::node::Kind, needs: &Needs<'_>) -> Resu
 }
 
 /// Law 8: every output is there, on its grid, of its type, and finite.
-fn check(grid: &Grid, kind: &'static crate::node::Kind, out: &Wires) -> Result<()> {
+fn check(grid: &Grid, kind: &'static Kind, out: &Wires) -> Result<()> {
     for port in kind.outputs {
         let bad = |message: String| Err(Error::Output { port: port.name, message });
         match out.get(port.name) {

@@ -580,9 +580,11 @@ mod files {
         assert_eq!(read_with(&e, "a.bin"), Ok(3.0));
         std::fs::write(folder.path().join("a.bin"), "12345").unwrap();
         assert_eq!(read_with(&e, "a.bin"), Ok(5.0));
-        std::fs::copy(folder.path().join("a.bin"), folder.path().join("b.bin")).unwrap();
-        let g = graph(json!({ "file": { "kind": "bytes", "set": { "file": "b.bin" } } }));
-        assert_eq!(ran(&evaluate(&e, &g, "file", grid(&g, 5))), [""; 0], "the content counts, not the name");
+        // The content and the last part of the name count, not the folder.
+        std::fs::create_dir(folder.path().join("else")).unwrap();
+        std::fs::copy(folder.path().join("a.bin"), folder.path().join("else/a.bin")).unwrap();
+        let g = graph(json!({ "file": { "kind": "bytes", "set": { "file": "else/a.bin" } } }));
+        assert_eq!(ran(&evaluate(&e, &g, "file", grid(&g, 5))), [""; 0]);
     }
 
     #[test]

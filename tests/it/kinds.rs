@@ -48,6 +48,7 @@ params! {
     Peeks {}
     Slow { seconds: Number = Number(5.0) }
     Bytes { file: FilePath = FilePath::default() }
+    Either { first: FilePath = FilePath::default(), second: FilePath = FilePath::default() }
     Grumbles {}
     Hog { share: Ratio = Ratio(1.0) }
 }
@@ -303,6 +304,25 @@ impl Node for Bytes {
     }
 }
 
+/// How many of two files are there.
+impl Node for Either {
+    type In = None;
+    type Out = One;
+    const META: Meta = Meta::new();
+    fn reach(&self) -> Reach {
+        Reach::Point
+    }
+    fn files(&self) -> Vec<FileRequest> {
+        let request = |parameter, name: &FilePath| FileRequest { parameter, name: name.0.clone(), optional: true };
+        vec![request("first", &self.first), request("second", &self.second)]
+    }
+    fn run(&self, cx: &Context<'_>, _: None) -> Result<One> {
+        let there = |name: &FilePath, weight: f32| if cx.file(name).is_some() { weight } else { 0.0 };
+        let sum = there(&self.first, 1.0) + there(&self.second, 2.0);
+        Ok(One { field: Field::constant(cx.grid, Quantity::Number, sum) })
+    }
+}
+
 /// The standard kinds and those of this file.
 pub(crate) fn registry() -> Registry {
     static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
@@ -321,6 +341,7 @@ pub(crate) fn registry() -> Registry {
             Kind::of::<Peeks>("test", "peeks"),
             Kind::of::<Slow>("test", "slow"),
             Kind::of::<Bytes>("test", "bytes"),
+            Kind::of::<Either>("test", "either"),
             Kind::of::<Hog>("test", "hog"),
             Kind::of::<Grumbles>("test", "grumbles"),
         ]
