@@ -51,7 +51,7 @@ pub(super) struct EngineArgs {
     #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
     pub memory: Option<u64>,
     /// Budget of estimated time, in seconds [default: a day]
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
     pub time: Option<f64>,
     /// Folder that keeps results for later builds; many processes may share it
     #[arg(long, value_name = "DIR")]
@@ -130,9 +130,23 @@ pub(super) fn parse_bytes(text: &str) -> Result<u64, String> {
     }
 }
 
+/// Seconds: a number that is not below 0.
+pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse().ok().filter(|v: &f64| v.is_finite() && *v >= 0.0);
+    value.ok_or_else(|| format!("must be a number of seconds, 0 or more, got `{text}`"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn reads_seconds() {
+        assert_eq!(parse_seconds(" 1.5e3"), Ok(1500.0));
+        for bad in ["", "nan", "NaN", "inf", "-inf", "1e400", "-1", "-0.5", "1s"] {
+            assert!(parse_seconds(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn reads_bytes() {

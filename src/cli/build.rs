@@ -9,15 +9,16 @@ use serde_json::{Value as Json, json};
 use super::args::{EngineArgs, GraphArgs, GridArgs};
 use super::exit::{Exit, Stop, spare_inputs, tell};
 use super::folder::Folder;
-use super::job::{Job, Tile, jobs};
+use super::job::{Job, Tile, jobs, said_of};
 use super::open::{self, Opened};
 use super::plan::{chosen, warnings};
 use super::progress::{Mode, Progress};
 use super::report::Report;
+use super::reserve::reserve;
 use super::tiles::{TileArgs, tiles};
 use crate::engine::{Engine, EngineError, Evaluation, Stage, TaskReport, Want};
 use crate::files::Format;
-use crate::graph::{Graph, Place};
+use crate::graph::Graph;
 use crate::node::Cancel;
 use crate::nodes::Registry;
 use crate::value::Grid;
@@ -58,11 +59,6 @@ pub(super) struct Args {
     progress: Option<Mode>,
 }
 
-/// Bytes the program takes before it evaluates anything: itself, its threads, what the allocator holds back.
-const PROGRAM_BYTES: u64 = 48 << 20;
-/// Bytes a sample that the writers take beside the value: integers or blocks, and what they are pressed into.
-const WRITER_BYTES: u64 = 12;
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Backend {
     /// The reference, the same bits everywhere
@@ -97,8 +93,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let mut report = Report::start(&report_path, head)?;
     problems.iter().for_each(|p| report.warning(p.to_string()));
     let mut options = args.engine.options();
-    let largest = tiles.iter().map(|t| t.grid.len() as u64).max().unwrap_or(0);
-    options.reserve = PROGRAM_BYTES + WRITER_BYTES * largest;
+    options.reserve = reserve(&graph, &args.engine, tiles.iter().map(|t| &t.grid).max_by_key(|g| g.len()));
     let engine = Engine::new(&options, files)?;
     let progress = Progress::new(args.progress);
     let build =
@@ -159,16 +154,14 @@ impl Build<'_> {
         };
         let (mut jobs, broken) = jobs(self.graph, names, format);
         for (name, problem) in broken {
-            let message = match &problem.place {
-                Place::Output(_) => problem.message,
-                _ => problem.to_string(),
-            };
-            failed(&name, message, Exit::Graph, report);
+            failed(&name, said_of(problem), Exit::Graph, report);
         }
         // Refused before anything runs: what follows asks for less.
         if let Some(largest) = tiles.iter().max_by_key(|t| t.grid.len()) {
             let wants: Vec<Want> = jobs.iter().map(|j| j.want(largest.grid)).collect();
-            self.engine.admit(&self.engine.plan(self.graph, &wants))?;
+            let mut plan = self.engine.plan(self.graph, &wants);
+            self.engine.know(self.graph, &wants, &mut plan, self.progress, self.cancel)?;
+            self.engine.admit(&plan)?;
         }
         // A few samples tell what each output is, and so its format and range, before anything large runs.
         self.resolve(&mut jobs, tiles, &mut failed, report)?;
@@ -294,6 +287,10 @@ impl Build<'_> {
     fn enter(&self, tasks: &[TaskReport], of: &Evaluation, report: &mut Report) {
         for warning in report.tasks(tasks, of.peak_bytes, of.planned_bytes) {
             self.progress.say(&format!("warning: {warning}"));
+        }
+        for notice in &of.notices {
+            self.progress.say(&format!("warning: {notice}"));
+            report.warning(notice.clone());
         }
     }
 }

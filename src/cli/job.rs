@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::exit::{Exit, Stop};
 use crate::engine::Want;
 use crate::files::{Format, Target, WriteJob, Writing, encode, sidecar_name, write_atomic};
-use crate::graph::{Graph, Output, Problem, Source};
+use crate::graph::{Graph, Output, Place, Problem, Source};
 use crate::value::{Grid, Quantity, Terrain, Value};
 
 /// A part of the window that is built at once.
@@ -61,6 +61,14 @@ pub(super) fn jobs(
         }
     }
     (jobs, broken)
+}
+
+/// What is said of an output whose source does not resolve.
+pub(super) fn said_of(problem: Problem) -> String {
+    match &problem.place {
+        Place::Output(_) => problem.message,
+        _ => problem.to_string(),
+    }
 }
 
 impl Job {

@@ -14,6 +14,7 @@ mod plan;
 mod progress;
 mod render;
 mod report;
+mod reserve;
 mod tiles;
 
 use std::ffi::OsString;
@@ -135,7 +136,7 @@ fn run(cli: Cli, cancel: &Cancel) -> Result<Exit, exit::Stop> {
         Command::Build(args) => build::run(&args, &registry, cancel),
         Command::Check(args) => check::run(&args, &registry),
         Command::Info(args) => info::run(&args, &registry),
-        Command::Plan(args) => plan::run(&args, &registry),
+        Command::Plan(args) => plan::run(&args, &registry, cancel),
         Command::Nodes(args) => nodes::run(&args, &registry),
         Command::Schema => {
             let schema = crate::graph::schema(&registry);

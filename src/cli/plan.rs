@@ -4,9 +4,14 @@ use serde_json::json;
 
 use super::args::{EngineArgs, GraphArgs, GridArgs};
 use super::exit::{Exit, Stop, print, tell};
+use super::job::{jobs, said_of};
 use super::open::{self, Opened};
-use crate::engine::{Engine, Plan, Want, bytes};
-use crate::graph::Graph;
+use super::progress::{Mode, Progress};
+use super::reserve::reserve;
+use super::tiles::{TileArgs, tiles};
+use crate::engine::{Engine, Options, Plan, Want, bytes};
+use crate::graph::{Graph, Problem};
+use crate::node::Cancel;
 use crate::nodes::Registry;
 use crate::value::Grid;
 
@@ -16,6 +21,8 @@ pub(super) struct Args {
     graph: GraphArgs,
     #[command(flatten)]
     grid: GridArgs,
+    #[command(flatten)]
+    tiles: TileArgs,
     #[command(flatten)]
     engine: EngineArgs,
     /// One output; all when left out
@@ -48,21 +55,63 @@ pub(super) fn want(graph: &Graph, output: &str, grid: Grid) -> Result<Want, crat
     Ok(Want { node: source.node, port: source.port, grid })
 }
 
-pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
+pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
     let Opened { graph, files, .. } = open::open(&args.graph, registry)?;
-    let (_, window) = args.grid.grids(graph.terrain())?;
+    let (whole, window) = args.grid.grids(graph.terrain())?;
+    // All tiles are alike; a build is admitted by its largest.
+    let tiles = tiles(&args.tiles, &window)?;
+    let tile = tiles.iter().map(|t| t.grid).max_by_key(Grid::len).unwrap_or(window);
     let names = chosen(&graph, &args.outputs)?;
-    let wants: Result<Vec<_>, _> = names.iter().map(|n| want(&graph, n, window)).collect();
-    let wants = wants.map_err(|e| Stop::new(Exit::Graph, e))?;
-    let engine = Engine::new(&args.engine.options(), files)?;
-    let plan = engine.plan(&graph, &wants);
-    let text = if args.json { json_of(&plan, &names, &window) } else { table(&plan, &names, &window) };
-    print(&text)?;
-    for line in warnings(&plan, &names, &window) {
+    let (jobs, broken) = jobs(&graph, &names, None);
+    let wants: Vec<_> = jobs.iter().map(|j| j.want(tile)).collect();
+    let reserve = reserve(&graph, &args.engine, Some(&tile));
+    let engine = Engine::new(&Options { reserve, ..args.engine.options() }, files)?;
+    let mut plan = engine.plan(&graph, &wants);
+    let known = engine.know(&graph, &wants, &mut plan, &Progress::new(Some(Mode::None)), cancel);
+    let refused = known.and_then(|()| engine.admit(&plan)).err();
+    let made: Vec<String> = jobs.iter().map(|j| j.name.clone()).collect();
+    let failures = failures(&plan, &made, broken);
+    let planned = Planned { plan: &plan, names: &made, window: &tile, reserve, failures: &failures };
+    print(&if args.json { json_of(&planned) } else { table(&planned) })?;
+    for line in warnings(&plan, &made, &whole) {
         tell(&format!("warning: {line}"));
     }
-    engine.admit(&plan)?;
-    Ok(Exit::Done)
+    for f in &failures {
+        tell(&format!("error: output `{}`: {}", f.output, f.message));
+    }
+    match refused {
+        Some(e) => Err(e.into()),
+        None => Ok(failures.first().map_or(Exit::Done, |f| f.exit)),
+    }
+}
+
+/// An output that cannot be made.
+struct Failed {
+    output: String,
+    message: String,
+    exit: Exit,
+}
+
+/// What cannot be made, in the order in which a build finds it.
+fn failures(plan: &Plan, names: &[String], broken: Vec<(String, Problem)>) -> Vec<Failed> {
+    let broken = broken.into_iter().map(|(output, problem)| {
+        let message = said_of(problem);
+        Failed { output, message, exit: Exit::Graph }
+    });
+    let planned = names.iter().zip(plan.failures()).filter_map(|(output, failure)| {
+        let failure = failure?;
+        Some(Failed { output: output.clone(), message: failure.to_string(), exit: Exit::of(&failure) })
+    });
+    broken.chain(planned).collect()
+}
+
+/// A plan as it is shown.
+struct Planned<'a> {
+    plan: &'a Plan,
+    names: &'a [String],
+    window: &'a Grid,
+    reserve: u64,
+    failures: &'a [Failed],
 }
 
 /// What a person should know of a plan before it runs.
@@ -86,7 +135,8 @@ pub(super) fn warnings(plan: &Plan, names: &[String], window: &Grid) -> Vec<Stri
     names.iter().enumerate().filter_map(coarser).chain(narrow).collect()
 }
 
-fn table(plan: &Plan, names: &[String], window: &Grid) -> String {
+fn table(planned: &Planned<'_>) -> String {
+    let &Planned { plan, names, window, reserve, failures } = planned;
     let mut rows =
         vec![["node", "kind", "stage", "grid", "detail m", "memory", "seconds", "cached"].map(String::from)];
     for t in plan.tasks() {
@@ -110,15 +160,27 @@ fn table(plan: &Plan, names: &[String], window: &Grid) -> String {
         text.push('\n');
     }
     for (i, name) in names.iter().enumerate() {
-        let detail =
-            plan.effective_cell(i).map_or("cannot be made".into(), |c| format!("detail down to {c:.3} m"));
-        text += &format!("output {name}: {} x {}, {detail}\n", window.cols, window.rows);
+        if let Some(cell) = plan.effective_cell(i) {
+            text +=
+                &format!("output {name}: {} x {}, detail down to {cell:.3} m\n", window.cols, window.rows);
+        }
     }
-    text += &format!("peak memory {}, {:.2} s on one core\n", bytes(plan.peak_bytes()), plan.seconds());
+    for f in failures {
+        text += &format!("output {}: cannot be made\n", f.output);
+    }
+    let (peak, need) = (plan.peak_bytes(), plan.peak_bytes().saturating_add(reserve));
+    text += &format!(
+        "memory {}, {} of them for nodes and {} for the program and its writers; {:.2} s on one core\n",
+        bytes(need),
+        bytes(peak),
+        bytes(reserve),
+        plan.seconds()
+    );
     text
 }
 
-fn json_of(plan: &Plan, names: &[String], window: &Grid) -> String {
+fn json_of(planned: &Planned<'_>) -> String {
+    let &Planned { plan, names, window, reserve, failures } = planned;
     let tasks = plan.tasks().into_iter().map(|t| {
         json!({
             "node": t.node, "kind": t.kind, "stage": t.stage.name(), "cols": t.grid.map(|g| g.cols), "rows": t.grid.map(|g| g.rows),
@@ -131,6 +193,12 @@ fn json_of(plan: &Plan, names: &[String], window: &Grid) -> String {
         json!({ "name": name, "cols": window.cols, "rows": window.rows, "effective_cell": plan.effective_cell(i) })
     });
     let outputs: Vec<_> = outputs.collect();
-    let whole = json!({ "tasks": tasks, "outputs": outputs, "peak_bytes": plan.peak_bytes(), "seconds": plan.seconds() });
+    let failed = |f: &Failed| json!({ "output": f.output, "error": f.message, "exit": f.exit.code() });
+    let whole = json!({
+        "tasks": tasks, "outputs": outputs, "failures": failures.iter().map(failed).collect::<Vec<_>>(),
+        "peak_bytes": plan.peak_bytes(), "reserve_bytes": reserve,
+        "need_bytes": plan.peak_bytes().saturating_add(reserve),
+        "unread_bytes": plan.unread_bytes(), "seconds": plan.seconds(),
+    });
     format!("{whole:#}\n")
 }

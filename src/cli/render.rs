@@ -10,7 +10,8 @@ use super::info::is_graph;
 use super::open::{self, Opened};
 use super::plan::{chosen, want};
 use super::progress::{Mode, Progress};
-use crate::engine::{Engine, SharedFailure, Want};
+use super::reserve::reserve;
+use crate::engine::{Engine, Options, SharedFailure, Want};
 use crate::files::{Limits, fill_voids, read_height, sidecar_name};
 use crate::graph::Source;
 use crate::node::Cancel;
@@ -151,9 +152,11 @@ fn from_graph(
         }
     };
     let color = args.color.as_ref().map(named).transpose()?;
-    let engine = Engine::new(&args.engine.options(), files)?;
+    let reserve = reserve(&graph, &args.engine, Some(&window));
+    let engine = Engine::new(&Options { reserve, ..args.engine.options() }, files)?;
     let wants: Vec<Want> = [height].into_iter().chain(color).collect();
     let evaluation = engine.evaluate(&graph, &wants, progress, cancel)?;
+    evaluation.notices.iter().for_each(|notice| progress.say(&format!("warning: {notice}")));
     for task in &evaluation.tasks {
         let named = |warning| format!("warning: node `{}`: {warning}", task.node);
         task.warnings.iter().map(named).for_each(|line| progress.say(&line));

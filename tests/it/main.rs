@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod cache;
 mod cli;
 mod curves;
 mod diffusion;
@@ -17,5 +18,7 @@ mod graph;
 mod kinds;
 mod laws;
 mod memory;
+mod plans;
 mod render;
 mod select;
+mod sources;
