@@ -256,7 +256,9 @@ impl SourceFile {
     pub fn read(&self, cancel: &Cancel, progress: &dyn Fn(f32)) -> Result<Vec<u8>, SourceError> {
         let too_long = || SourceError::Unreadable(format!("{} bytes do not fit into memory", self.len));
         let mut bytes = Vec::new();
-        bytes.try_reserve_exact(usize::try_from(self.len).map_err(|_| too_long())?).map_err(|_| too_long())?;
+        bytes
+            .try_reserve_exact(usize::try_from(self.len).map_err(|_| too_long())?)
+            .map_err(|_| too_long())?;
         let found = self.walk(cancel, progress, |block| bytes.extend_from_slice(block))?;
         // A source that nobody hashed before is in no key: what is read now is what counts.
         if self.hash.get_or_init(|| Ok(found)).clone()? != found {
@@ -389,7 +391,8 @@ mod tests {
 
     #[test]
     fn the_last_part_of_a_name_is_without_its_folder() {
-        for (name, last) in [("a.tif", "a.tif"), ("d/e/a.tif", "a.tif"), ("C:\\d\\a.tif", "a.tif"), ("", "")] {
+        for (name, last) in [("a.tif", "a.tif"), ("d/e/a.tif", "a.tif"), ("C:\\d\\a.tif", "a.tif"), ("", "")]
+        {
             assert_eq!(last_name(name), last);
         }
     }

@@ -214,7 +214,8 @@ impl ImportHeight {
             let limits = Limits::default();
             let bytes = cx.stage(0.01, 0.2).read("file", file)?;
             // Under a lock of the shelf, where a worker must not pick up other work.
-            let relief = apart(|| Relief::new(&way, &bytes, &limits)).map_err(|e| fault(e.fault.to_string()))?;
+            let relief =
+                apart(|| Relief::new(&way, &bytes, &limits)).map_err(|e| fault(e.fault.to_string()))?;
             let held = relief.held_bytes();
             Ok((relief, held))
         })

@@ -147,7 +147,7 @@ impl Build<'_> {
         let mut exit = Exit::Done;
         let mut failed = |output: &str, message: String, code: Exit, report: &mut Report| {
             self.progress.say(&format!("error: output `{output}`: {message}"));
-            report.failure(output, &message);
+            report.failure(output, &message, code);
             if exit == Exit::Done {
                 exit = code;
             }

@@ -76,8 +76,8 @@ impl Report {
         self.warnings.push(text);
     }
 
-    pub(super) fn failure(&mut self, output: &str, message: &str) {
-        self.failures.push(json!({ "output": output, "error": message }));
+    pub(super) fn failure(&mut self, output: &str, message: &str, exit: Exit) {
+        self.failures.push(json!({ "output": output, "error": message, "exit": exit.code() }));
     }
 
     /// Takes up what an evaluation did; gives what nodes said of their results and did not say before.

@@ -136,7 +136,8 @@ impl Disk {
         let mut complaint = lock(&self.complaint);
         if matches!(*complaint, Complaint::None) {
             let folder = self.top.display();
-            *complaint = Complaint::New(format!("the cache folder {folder} does not keep all results: {}", why()));
+            *complaint =
+                Complaint::New(format!("the cache folder {folder} does not keep all results: {}", why()));
         }
     }
 

@@ -251,7 +251,9 @@ impl Engine {
     pub fn admit(&self, plan: &Plan) -> Result<(), EngineError> {
         self.admit_bytes(plan.peak_bytes(), || plan.peak_node())?;
         // Tasks share the threads; a file is hashed by one.
-        self.admit_seconds(plan.run_seconds() / self.pool.current_num_threads() as f64 + plan.unread_seconds())
+        self.admit_seconds(
+            plan.run_seconds() / self.pool.current_num_threads() as f64 + plan.unread_seconds(),
+        )
     }
 
     fn admit_bytes(&self, bytes: u64, at: impl FnOnce() -> String) -> Result<(), EngineError> {

@@ -91,7 +91,11 @@ fn entries_follow_the_umask_so_that_users_may_share_them() {
     std::fs::write(&plain, "").unwrap();
     let mode = |p: &Path| p.metadata().unwrap().permissions().mode() & 0o777;
     let entries = files(&folder.path().join("cache"));
-    assert!(!entries.is_empty() && entries.iter().all(|p| mode(p) == mode(&plain)), "{:o}", mode(&entries[0]));
+    assert!(
+        !entries.is_empty() && entries.iter().all(|p| mode(p) == mode(&plain)),
+        "{:o}",
+        mode(&entries[0])
+    );
 }
 
 /// The limit holds at every moment of a run, for several processes as far as they see each other.

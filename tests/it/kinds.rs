@@ -313,7 +313,8 @@ impl Node for Either {
         Reach::Point
     }
     fn files(&self) -> Vec<FileRequest> {
-        let request = |parameter, name: &FilePath| FileRequest { parameter, name: name.0.clone(), optional: true };
+        let request =
+            |parameter, name: &FilePath| FileRequest { parameter, name: name.0.clone(), optional: true };
         vec![request("first", &self.first), request("second", &self.second)]
     }
     fn run(&self, cx: &Context<'_>, _: None) -> Result<One> {

@@ -70,7 +70,9 @@ fn soft() -> Json {
 #[test]
 fn plan_and_build_need_the_same_memory() {
     let desk = Desk::new(hills(), soft());
-    for size in [vec!["--size", "257"], vec!["--size", "513", "--tile-size", "129"], vec!["--region", "0,0,500,400"]] {
+    for size in
+        [vec!["--size", "257"], vec!["--size", "513", "--tile-size", "129"], vec!["--region", "0,0,500,400"]]
+    {
         let json = desk.plan(&[&size[..], &["--json"]].concat());
         let plan: Json = serde_json::from_slice(&json.stdout).unwrap();
         let need = plan["need_bytes"].as_u64().unwrap();
@@ -119,7 +121,8 @@ fn plan_says_why_something_cannot_be_made_and_ends_as_build_does() {
 /// The outputs that can be made are planned, with the memory they need, whatever stands beside them.
 #[test]
 fn a_plan_holds_what_can_be_made() {
-    let outputs = json!({ "gone": { "from": "nowhere.field" }, "height": { "from": "soft.field", "format": "r32" } });
+    let outputs =
+        json!({ "gone": { "from": "nowhere.field" }, "height": { "from": "soft.field", "format": "r32" } });
     let desk = Desk::new(hills(), outputs);
     let plan = desk.plan(&["--json"]);
     assert_eq!(code(&plan), 3);
@@ -137,7 +140,11 @@ fn a_time_that_is_no_number_of_seconds_is_refused() {
             assert!(text.contains("--time"), "{time}: {text}");
         }
         let picture = desk.path("a.png");
-        assert_eq!(code(&run(&["render", &desk.path("a.graph"), "-o", &picture, "--time", time])), 2, "{time}");
+        assert_eq!(
+            code(&run(&["render", &desk.path("a.graph"), "-o", &picture, "--time", time])),
+            2,
+            "{time}"
+        );
     }
     desk.both(&["--time", "0"], 5);
     desk.both(&["--time", "1e9"], 0);

@@ -64,7 +64,12 @@ fn a_huge_file_is_refused_before_it_is_read() {
         let e = engine(folder.path(), options, false);
         let plan = e.plan(&g, &wants);
         assert_eq!(plan.unread_bytes(), HUGE);
-        assert!(plan.peak_bytes() >= HUGE && plan.seconds() > 5.0, "{}, {}", plan.peak_bytes(), plan.seconds());
+        assert!(
+            plan.peak_bytes() >= HUGE && plan.seconds() > 5.0,
+            "{}, {}",
+            plan.peak_bytes(),
+            plan.seconds()
+        );
         match e.evaluate(&g, &wants, &Unread, &Cancel::default()) {
             Err(EngineError::Memory { at, .. }) => assert!(at.contains("file"), "{at}"),
             Err(EngineError::Time { .. }) => (),
@@ -229,7 +234,9 @@ fn a_key_holds_the_role_the_last_part_of_the_name_and_the_content() {
     assert_eq!(one("1/a.bin"), one("2/a.bin"), "the folder is in no key");
     assert_ne!(one("2/a.bin"), one("2/b.bin"), "the name may choose the reader");
     assert_ne!(one("1/a.bin"), one("3/a.bin"));
-    let two = |first: &str, second: &str| key(json!({ "kind": "either", "set": { "first": first, "second": second } }));
+    let two = |first: &str, second: &str| {
+        key(json!({ "kind": "either", "set": { "first": first, "second": second } }))
+    };
     let all = [
         two("1/a.bin", "none/a.bin"),
         two("none/a.bin", "1/a.bin"),
@@ -261,7 +268,10 @@ fn hashing_tells_and_stops() {
     let ended = e.evaluate(&g, &[want(&g, "file", small(&g))], &stop, &stop.0);
     assert!(matches!(ended, Err(EngineError::Cancelled)), "{ended:?}");
     let told = stop.1.into_inner().unwrap();
-    assert!(told.len() > 5 && told.iter().all(|(file, share)| file == "large.bin" && *share < 0.2), "{told:?}");
+    assert!(
+        told.len() > 5 && told.iter().all(|(file, share)| file == "large.bin" && *share < 0.2),
+        "{told:?}"
+    );
     assert_eq!(length(&e, &g, &Unobserved), Ok((256u32 << 20) as f32));
 }
 
@@ -275,7 +285,9 @@ fn decoded_files_are_accounted_and_let_go() {
     let wants = [Want { port: "height", ..want(&g, "file", small(&g)) }];
     let bytes = 257 * 257 * 4;
     let roomy = engine(folder.path(), Options::default(), false);
-    let run = |e: &Engine| e.evaluate(&g, &wants, &Unobserved, &Cancel::default()).unwrap().values[0].clone().unwrap();
+    let run = |e: &Engine| {
+        e.evaluate(&g, &wants, &Unobserved, &Cancel::default()).unwrap().values[0].clone().unwrap()
+    };
     let first = run(&roomy);
     assert!(roomy.cached_bytes() > bytes, "{}", roomy.cached_bytes());
     let plan = roomy.plan(&g, &wants);

@@ -221,7 +221,9 @@ impl Shared {
         let alone = Scenery { against: None, ..*scene };
         let wants = wants(&alone, grid);
         let plan = engine.plan(&order.graph, &wants);
-        if engine.admit(&plan).is_err() || plan.seconds() > self.patience || plan.unread_bytes() > UNASKED_BYTES
+        if engine.admit(&plan).is_err()
+            || plan.seconds() > self.patience
+            || plan.unread_bytes() > UNASKED_BYTES
         {
             return Ok(());
         }

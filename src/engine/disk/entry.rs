@@ -90,7 +90,10 @@ fn parts<'a>(key: &Key, given: &'a Given) -> io::Result<(Vec<u8>, Vec<&'a [u8]>)
         Given::Summary(summary) => {
             let summary = &*summary.0;
             let count = Some(summary.len() as u64);
-            (Header { byte_order, key, summary: count, values: Vec::new() }, vec![bytemuck::cast_slice(summary)])
+            (
+                Header { byte_order, key, summary: count, values: Vec::new() },
+                vec![bytemuck::cast_slice(summary)],
+            )
         }
         Given::Wires(wires) => {
             let values = wires.iter().filter_map(|(port, value)| Entry::of(port, value)).collect();
