@@ -49,8 +49,10 @@ pub mod params;
 pub mod ports;
 pub mod render;
 pub mod source;
+pub mod text;
 pub mod units;
 pub mod value;
+pub mod whole;
 pub mod work;
 
 #[path = "../nodes/mod.rs"]

@@ -4,6 +4,7 @@
 use serde_json::{Map, Value as Json};
 
 use crate::node::{Error, Result};
+use crate::text::brief;
 
 /// One parameter, read from the schema.
 #[derive(Clone, Debug, PartialEq)]
@@ -313,10 +314,4 @@ pub fn drop_negative_zero(json: &mut Json) {
         Json::Object(map) => map.values_mut().for_each(drop_negative_zero),
         _ => (),
     }
-}
-
-/// A value short enough for a message.
-fn brief(value: &Json) -> String {
-    let text = value.to_string();
-    if text.chars().count() <= 60 { text } else { text.chars().take(57).chain("...".chars()).collect() }
 }

@@ -11,7 +11,7 @@ use crate::value::{Bounds, Grid, Terrain};
 /// A graph and what is changed in it before it is evaluated.
 #[derive(Debug, Args)]
 pub(super) struct GraphArgs {
-    /// The .graph file
+    /// The .graph file, - for standard input
     pub graph: PathBuf,
     /// Sets an exposed parameter, `node.parameter` or `terrain.setting`; repeatable
     #[arg(long = "set", value_name = "NAME=VALUE")]
@@ -28,6 +28,34 @@ pub(super) struct GraphArgs {
     /// A folder that the graph may read files from, beside its own; repeatable
     #[arg(long, value_name = "DIR")]
     pub allow: Vec<PathBuf>,
+}
+
+impl GraphArgs {
+    /// The options given that only a graph takes.
+    pub(super) fn given(&self) -> impl Iterator<Item = &'static str> {
+        let given = [
+            ("--set", !self.set.is_empty()),
+            ("--vars", self.vars.is_some()),
+            ("--seed", self.seed.is_some()),
+            ("--base", self.base.is_some()),
+            ("--allow", !self.allow.is_empty()),
+        ];
+        given.into_iter().filter_map(|(name, given)| given.then_some(name))
+    }
+
+    /// Refuses options that a file of another kind would not heed.
+    pub(super) fn refuse<'a>(
+        &self,
+        what: &str,
+        given: impl IntoIterator<Item = &'a str>,
+    ) -> Result<(), Stop> {
+        let given: Vec<_> = given.into_iter().collect();
+        if given.is_empty() {
+            return Ok(());
+        }
+        let (are, file) = (if given.len() == 1 { "is" } else { "are" }, self.graph.display());
+        Err(Stop::usage(format!("{} {are} for {what}, which {file} is not", given.join(", "))))
+    }
 }
 
 /// The part of the terrain and its resolution.
@@ -136,6 +164,19 @@ pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| format!("must be a number of seconds, 0 or more, got `{text}`"))
 }
 
+/// A length or a factor: a number above 0.
+pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
+    const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
+    let value = text.trim().parse().ok().filter(|v| RANGE.contains(v));
+    value.ok_or_else(|| format!("must be a number above 0, at most {:e}, got `{text}`", RANGE.end()))
+}
+
+/// Any number but those that are none.
+pub(super) fn parse_finite(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse().ok().filter(|v: &f64| v.is_finite());
+    value.ok_or_else(|| format!("must be a number, got `{text}`"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,6 +196,18 @@ mod tests {
         assert_eq!(parse_bytes("4096"), Ok(4096));
         for bad in ["", "G", "-1G", "0", "8X", "1e30"] {
             assert!(parse_bytes(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn reads_factors() {
+        assert_eq!(parse_positive("0.3048"), Ok(0.3048));
+        assert_eq!(parse_finite("-1e3"), Ok(-1000.0));
+        for bad in ["", "0", "-0", "-1", "nan", "inf", "1e300", "1e-30", "x"] {
+            assert!(parse_positive(bad).is_err(), "{bad}");
+        }
+        for bad in ["", "nan", "-inf", "x"] {
+            assert!(parse_finite(bad).is_err(), "{bad}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! `orograph build`: evaluates the outputs of a graph and writes them.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use serde_json::{Value as Json, json};
@@ -9,16 +9,17 @@ use serde_json::{Value as Json, json};
 use super::args::{EngineArgs, GraphArgs, GridArgs};
 use super::exit::{Exit, Stop, spare_inputs, tell};
 use super::folder::Folder;
-use super::job::{Job, Tile, jobs, said_of};
+use super::job::{self, Job, Tile, jobs, said_of};
 use super::open::{self, Opened};
 use super::plan::{chosen, warnings};
 use super::progress::{Mode, Progress};
-use super::report::Report;
+use super::report::{REPORT, Report, STDOUT};
 use super::reserve::reserve;
+use super::shared::Part;
 use super::tiles::{TileArgs, tiles};
 use crate::engine::{Engine, EngineError, Evaluation, Stage, TaskReport, Want};
 use crate::files::Format;
-use crate::graph::Graph;
+use crate::graph::{Graph, Problem};
 use crate::node::Cancel;
 use crate::nodes::Registry;
 use crate::value::Grid;
@@ -86,53 +87,97 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let tiles = tiles(&args.tiles, &window)?;
     let names = chosen(&graph, &args.outputs)?;
     let inputs = open::inputs(&args.graph, &graph);
-    let report_path = args.report.clone().unwrap_or_else(|| args.out.join("report.json"));
+    let report_path = args.report.clone().unwrap_or_else(|| args.out.join(REPORT));
     spare_inputs(&report_path, &inputs)?;
     let folder = Folder::open(&args.out, &inputs, &report_path, args.overwrite)?;
-    let head = head(&graph, args, &whole, variables);
-    let mut report = Report::start(&report_path, head)?;
+    let head = head(&graph, args, [&whole, &window], &tiles, variables);
+    let cut = || tiles.iter().map(|t| t.place).collect();
+    // Builds of single tiles share the report of the folder; one that the user names is the build's own.
+    let part =
+        (args.tiles.is_part() && args.report.is_none()).then(|| Part { names: names.clone(), tiles: cut() });
+    let mut report = Report::start(&report_path, &folder, head, part)?;
     problems.iter().for_each(|p| report.warning(p.to_string()));
     let mut options = args.engine.options();
     options.reserve = reserve(&graph, &args.engine, tiles.iter().map(|t| &t.grid).max_by_key(|g| g.len()));
     let engine = Engine::new(&options, files)?;
     let progress = Progress::new(args.progress);
-    let build =
-        Build { graph: &graph, engine: &engine, progress: &progress, cancel, whole, many: tiles.len() > 1 };
-    let outcome = build.all(&names, args.format, &tiles, folder, &mut report);
+    let build = Build {
+        graph: &graph,
+        problems: &problems,
+        engine: &engine,
+        progress: &progress,
+        cancel,
+        whole,
+        cut: args.tiles.is_cut(),
+    };
+    let outcome = build.all(&names, args.format, &tiles, &folder, &mut report);
     progress.end();
     let exit = outcome?;
+    let wrote = wrote(&args.out, report.outputs());
     report.write()?;
+    wrote.iter().for_each(|line| progress.news(line));
+    if report_path != Path::new(STDOUT) {
+        progress.news(&format!("report {}", report_path.display()));
+    }
     Ok(exit)
+}
+
+/// A line a file that was written, or their number where they are many.
+fn wrote(out: &Path, outputs: &[Json]) -> Vec<String> {
+    const SHOWN: usize = 16;
+    if outputs.len() > SHOWN {
+        return vec![format!("wrote {} files to {}", outputs.len(), out.display())];
+    }
+    let line = |o: &Json| {
+        let path = out.join(o["path"].as_str().unwrap_or_default());
+        format!("wrote {}: {} x {} samples", path.display(), o["cols"], o["rows"])
+    };
+    outputs.iter().map(line).collect()
 }
 
 fn head(
     graph: &Graph,
     args: &Args,
-    whole: &Grid,
+    [whole, window]: [&Grid; 2],
+    tiles: &[Tile],
     variables: serde_json::Map<String, Json>,
 ) -> serde_json::Map<String, Json> {
+    let graph_key = blake3::hash(&graph.canonical()).to_hex();
+    let grid = |g: &Grid| json!({ "col": g.col, "row": g.row, "cols": g.cols, "rows": g.rows });
+    let cut = tiles.first().filter(|_| args.tiles.is_cut());
+    let cut = cut.map(|t| json!({ "cols": t.place.cols, "rows": t.place.rows }));
+    let format = args.format.map(Format::name);
+    // What builds of parts must agree in to be one.
+    let build =
+        json!([env!("CARGO_PKG_VERSION"), graph_key.as_str(), grid(whole), grid(window), cut, format]);
     let mut head = serde_json::Map::new();
     let mut put = |name: &str, value: Json| head.insert(name.to_owned(), value);
     put("orograph", json!(env!("CARGO_PKG_VERSION")));
     put("graph", json!(args.graph.graph.display().to_string()));
-    put("graph_key", json!(blake3::hash(&graph.canonical()).to_hex().as_str()));
+    put("graph_key", json!(graph_key.as_str()));
+    put("build_key", json!(blake3::hash(build.to_string().as_bytes()).to_hex().as_str()));
     put("seed", json!(graph.terrain().seed));
     put("variables", Json::from(variables));
     put("backend", json!("cpu"));
     put("terrain", serde_json::to_value(graph.terrain()).unwrap_or_default());
     put("size", json!(whole.cols.max(whole.rows)));
     put("cell", json!(whole.cell()));
+    put("whole", grid(whole));
+    put("window", grid(window));
+    put("tiles", json!(cut));
     put("base_cell", json!(graph.terrain().base_cell()));
     head
 }
 
 struct Build<'a> {
     graph: &'a Graph,
+    problems: &'a [Problem],
     engine: &'a Engine,
     progress: &'a Progress,
     cancel: &'a Cancel,
     whole: Grid,
-    many: bool,
+    /// Whether the terrain is cut into tiles.
+    cut: bool,
 }
 
 impl Build<'_> {
@@ -141,20 +186,21 @@ impl Build<'_> {
         names: &[String],
         format: Option<Format>,
         tiles: &[Tile],
-        mut folder: Folder,
-        report: &mut Report,
+        folder: &Folder,
+        report: &mut Report<'_>,
     ) -> Result<Exit, Stop> {
         let mut exit = Exit::Done;
-        let mut failed = |output: &str, message: String, code: Exit, report: &mut Report| {
-            self.progress.say(&format!("error: output `{output}`: {message}"));
-            report.failure(output, &message, code);
-            if exit == Exit::Done {
-                exit = code;
-            }
-        };
-        let (mut jobs, broken) = jobs(self.graph, names, format);
+        let mut failed =
+            |output: &str, message: String, code: Exit, report: &mut Report<'_>, on: Option<&Tile>| {
+                self.progress.say(&format!("error: output `{output}`: {message}"));
+                report.failure(output, &message, code, on.filter(|_| self.cut).map(|t| t.place));
+                if exit == Exit::Done {
+                    exit = code;
+                }
+            };
+        let (mut jobs, broken) = jobs(self.graph, names, format, self.problems);
         for (name, problem) in broken {
-            failed(&name, said_of(problem), Exit::Graph, report);
+            failed(&name, said_of(problem), Exit::Graph, report, None);
         }
         // Refused before anything runs: what follows asks for less.
         if let Some(largest) = tiles.iter().max_by_key(|t| t.grid.len()) {
@@ -164,9 +210,14 @@ impl Build<'_> {
             self.engine.admit(&plan)?;
         }
         // A few samples tell what each output is, and so its format and range, before anything large runs.
-        self.resolve(&mut jobs, tiles, &mut failed, report)?;
+        self.resolve(
+            &mut jobs,
+            tiles,
+            &mut |name, message, code, report| failed(name, message, code, report, None),
+            report,
+        )?;
         let files: Vec<String> =
-            jobs.iter().flat_map(|j| tiles.iter().flat_map(|t| j.files(t, self.many))).collect();
+            jobs.iter().flat_map(|j| tiles.iter().flat_map(|t| j.files(t, self.cut))).collect();
         folder.claim(&files)?;
         if let Some(tile) = tiles.first() {
             let (names, wants): (Vec<String>, Vec<Want>) =
@@ -176,6 +227,14 @@ impl Build<'_> {
                 report.warning(warning);
             }
         }
+        let graph_key = report.graph_key().to_owned();
+        let to = job::Common {
+            cut: self.cut,
+            terrain: self.graph.terrain(),
+            whole: self.whole,
+            graph_key: &graph_key,
+            folder: folder.dir(),
+        };
         // Most notes hold for every tile alike.
         let mut said = BTreeSet::new();
         for tile in tiles {
@@ -186,9 +245,7 @@ impl Build<'_> {
             let mut dropped = Vec::new();
             for (i, (job, value)) in jobs.iter().zip(&evaluation.values).enumerate() {
                 let written = match value {
-                    Ok(value) => {
-                        job.write(value, tile, self.many, self.graph.terrain(), &self.whole, folder.dir())
-                    }
+                    Ok(value) => job.write(value, tile, &to),
                     Err(failure) => Err(Stop::new(Exit::of(failure), failure)),
                 };
                 match written {
@@ -203,7 +260,7 @@ impl Build<'_> {
                         report.output(entry.json);
                     }
                     Err(stop) => {
-                        failed(&job.name, stop.message, stop.exit, report);
+                        failed(&job.name, stop.message, stop.exit, report, Some(tile));
                         dropped.push(i);
                     }
                 }
@@ -222,8 +279,8 @@ impl Build<'_> {
         &self,
         jobs: &mut Vec<Job>,
         tiles: &[Tile],
-        failed: &mut impl FnMut(&str, String, Exit, &mut Report),
-        report: &mut Report,
+        failed: &mut impl FnMut(&str, String, Exit, &mut Report<'_>),
+        report: &mut Report<'_>,
     ) -> Result<(), Stop> {
         let Some(first) = tiles.first() else { return Ok(()) };
         let corner = Grid { cols: 2.min(first.grid.cols), rows: 2.min(first.grid.rows), ..first.grid };
@@ -267,8 +324,8 @@ impl Build<'_> {
         Ok(())
     }
 
-    fn evaluate(&self, jobs: &[Job], tile: &Tile, report: &mut Report) -> Result<Evaluation, Stop> {
-        self.progress.label(if self.many {
+    fn evaluate(&self, jobs: &[Job], tile: &Tile, report: &mut Report<'_>) -> Result<Evaluation, Stop> {
+        self.progress.label(if self.cut {
             format!("tile {},{}", tile.place.col, tile.place.row)
         } else {
             String::new()
@@ -276,7 +333,7 @@ impl Build<'_> {
         Ok(self.values(jobs, &tile.grid, report)?)
     }
 
-    fn values(&self, jobs: &[Job], grid: &Grid, report: &mut Report) -> Result<Evaluation, EngineError> {
+    fn values(&self, jobs: &[Job], grid: &Grid, report: &mut Report<'_>) -> Result<Evaluation, EngineError> {
         let wants: Vec<_> = jobs.iter().map(|j| j.want(*grid)).collect();
         let evaluation = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
         self.enter(&evaluation.tasks, &evaluation, report);
@@ -284,7 +341,7 @@ impl Build<'_> {
     }
 
     /// Enters tasks of an evaluation in the report, and says what their nodes warn of.
-    fn enter(&self, tasks: &[TaskReport], of: &Evaluation, report: &mut Report) {
+    fn enter(&self, tasks: &[TaskReport], of: &Evaluation, report: &mut Report<'_>) {
         for warning in report.tasks(tasks, of.peak_bytes, of.planned_bytes) {
             self.progress.say(&format!("warning: {warning}"));
         }

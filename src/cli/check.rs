@@ -1,13 +1,18 @@
 //! `orograph check` and `orograph fmt`.
 
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use super::args::GraphArgs;
-use super::exit::{Exit, Stop, print, save, tell};
-use super::open::{self, Opened};
-use crate::graph::{Place, Problem};
+use super::exit::{Exit, Stop, print, print_json, print_lines, save_known, tell};
+use super::open::{self, Opened, is_stdin};
+use super::report::REPORT;
+use crate::files::{Format, sidecar_name};
+use crate::graph::{Graph, Output, Place, Problem};
 use crate::node::Error;
 use crate::nodes::Registry;
+use crate::text::printable_json;
+use crate::whole::Known;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -18,12 +23,12 @@ pub(super) struct Args {
     strict: bool,
     /// Prints the problems as JSON
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 #[derive(Debug, clap::Args)]
 pub(super) struct FmtArgs {
-    /// The .graph files
+    /// The .graph files; - reads standard input and writes standard output
     #[arg(required = true)]
     graphs: Vec<PathBuf>,
     /// Writes nothing; fails when a file is not in canonical form
@@ -32,7 +37,8 @@ pub(super) struct FmtArgs {
 }
 
 pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
-    let opened = open::open(&args.graph, registry)?;
+    let mut opened = open::open(&args.graph, registry)?;
+    opened.problems.extend(report_problems(&opened.graph));
     let files = file_problems(&opened);
     // What is wrong with the graph itself counts before what is wrong around it.
     let exit = match opened.problems.iter().any(Problem::is_error) {
@@ -44,18 +50,40 @@ pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
     let errors = problems.iter().filter(|p| p.is_error()).count();
     let warnings = problems.len() - errors;
     if args.json {
-        print(&format!("{:#}\n", as_json(&problems)))?;
+        print_json(&as_json(&problems))?;
     } else {
-        for problem in &problems {
-            print(&format!("{}: {problem}\n", if problem.is_error() { "error" } else { "warning" }))?;
-        }
-        let nodes = opened.graph.nodes().count();
-        print(&format!(
-            "{}: {nodes} nodes, {errors} errors, {warnings} warnings\n",
-            args.graph.graph.display()
-        ))?;
+        let line = |p: &Problem| format!("{}: {p}", if p.is_error() { "error" } else { "warning" });
+        let [nodes, errors, warnings] = [
+            counted(opened.graph.nodes().count(), "node"),
+            counted(errors, "error"),
+            counted(warnings, "warning"),
+        ];
+        let sum = format!("{}: {nodes}, {errors}, {warnings}", args.graph.graph.display());
+        print_lines(problems.iter().map(line).chain([sum]))?;
     }
     Ok(if exit == Exit::Done && args.strict && warnings > 0 { Exit::Graph } else { exit })
+}
+
+/// "1 node", "2 nodes".
+fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+/// Outputs that would be written where the report of a build goes.
+fn report_problems(graph: &Graph) -> Vec<Problem> {
+    let collides = |(name, output): &(&str, &Output)| {
+        let names = |format: Format| {
+            let file = format!("{name}.{}", format.extension());
+            let sidecar = format.has_sidecar(1).then(|| sidecar_name(&file));
+            sidecar.into_iter().chain([file]).collect::<Vec<_>>()
+        };
+        // Without a format it is one that has a sidecar, unless it is colours.
+        let names = output.format.map_or_else(|| names(Format::Exr), names);
+        names.iter().any(|n| n.eq_ignore_ascii_case(REPORT))
+    };
+    let message = format!("is written to the name of a build's report, {REPORT}; give it another name");
+    let problem = |(name, _)| Problem::error(Place::Output(String::from(name)), message.clone());
+    graph.outputs().filter(collides).map(problem).collect()
 }
 
 /// Files that the nodes name and that cannot be read, and nodes for which none is chosen.
@@ -95,6 +123,13 @@ pub(super) fn fmt(args: &FmtArgs, registry: &Registry) -> Result<Exit, Stop> {
     for path in &args.graphs {
         let graph = open::load(path, registry)?;
         let canonical = graph.canonical();
+        // What comes in on standard input goes out on standard output, as it is or changed.
+        if is_stdin(path) && !args.check {
+            let text = String::from_utf8_lossy(&canonical);
+            // The same document, but for a terminal, which would obey what its texts say.
+            print(&if std::io::stdout().is_terminal() { printable_json(&text) } else { text })?;
+            continue;
+        }
         if graph.to_bytes() == canonical {
             continue;
         }
@@ -103,8 +138,7 @@ pub(super) fn fmt(args: &FmtArgs, registry: &Registry) -> Result<Exit, Stop> {
             exit = Exit::Failed;
             continue;
         }
-        // Through a link to the file it leads to.
-        save(&path.canonicalize().unwrap_or_else(|_| path.clone()), &canonical)?;
+        save_known(path, &canonical, Known::Bytes(&graph.to_bytes()))?;
         tell(&format!("{}: written in canonical form", path.display()));
     }
     Ok(exit)

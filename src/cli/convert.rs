@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use cap_std::ambient_authority;
 use cap_std::fs::Dir;
 
+use super::args::{parse_finite, parse_positive};
 use super::exit::{Exit, Stop, save, tell};
-use crate::files::{
-    Encoding, Format, Limits, Watch, Writing, encode_file, read_height_as, sidecar_name, write_atomic,
-};
+use crate::files::{Encoding, Format, Limits, Watch, Writing, encode_file, read_height_as, sidecar_name};
 use crate::node::Cancel;
+use crate::whole::{self, Known};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -30,10 +30,10 @@ pub(super) struct Args {
     #[arg(long)]
     flip: bool,
     /// Metres a unit of the file, for files that do not say
-    #[arg(long, value_name = "METRES", default_value_t = 1.0)]
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = parse_positive, allow_hyphen_values = true)]
     height_scale: f64,
     /// Metres at zero of the file
-    #[arg(long, value_name = "METRES", default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, value_parser = parse_finite, allow_hyphen_values = true)]
     height_offset: f64,
     /// Reads the colours of a PNG as Terrarium heights
     #[arg(long)]
@@ -67,6 +67,11 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     let (scale, offset) = (args.height_scale, args.height_offset);
     if (scale, offset) != (1.0, 0.0) {
         file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
+        if file.data.iter().any(|z| z.is_infinite()) {
+            return Err(Stop::usage(format!(
+                "--height-scale {scale} and --height-offset {offset} make heights that no file can hold"
+            )));
+        }
     }
     cancel.check().map_err(|e| Stop::new(Exit::Cancelled, e))?;
     let watch = Watch { cancel: Some(cancel), ..Watch::default() };
@@ -75,7 +80,8 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     let cannot =
         |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot open {}: {e}", folder.display()));
     let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
-    let (_, written) = write_atomic(&dir, &name, |out| encode_file(&file, &writing, out))
+    whole::sweep(&dir, |left| left.is_of(&name));
+    let written = whole::write(&dir, &name, Known::Anything, |out| encode_file(&file, &writing, out))
         .map_err(|e| Stop::new(Exit::Failed, e))?;
     if let Some(sidecar) = &written.sidecar {
         save(&folder.join(sidecar_name(&name)), format!("{sidecar:#}\n").as_bytes())?;

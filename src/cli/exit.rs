@@ -5,11 +5,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use cap_std::ambient_authority;
-use cap_std::fs::Dir;
-
 use crate::engine::{Cause, EngineError, Failure};
-use crate::files::write_atomic;
+use crate::text::{printable, printable_json};
+use crate::whole::{self, Known};
 
 /// The exit codes of the program; scripts rely on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,11 +67,13 @@ impl From<Exit> for ExitCode {
 pub(super) struct Stop {
     pub exit: Exit,
     pub message: String,
+    /// Whether standard output holds the result all the same, as a plan that is over the budget.
+    pub printed: bool,
 }
 
 impl Stop {
     pub(super) fn new(exit: Exit, message: impl Display) -> Self {
-        Self { exit, message: message.to_string() }
+        Self { exit, message: message.to_string(), printed: false }
     }
 
     pub(super) fn usage(message: impl Display) -> Self {
@@ -94,16 +94,23 @@ impl From<EngineError> for Stop {
 
 /// Writes a small file whole or not at all.
 pub(super) fn save(path: &Path, bytes: &[u8]) -> Result<(), Stop> {
-    let cannot = |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot write {}: {e}", path.display()));
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
-    write_atomic(&dir, &name, |out| out.write_all(bytes)).map(|_| ()).map_err(cannot)
+    save_known(path, bytes, Known::Anything)
 }
 
-/// Writes a line to standard error; a reader that has gone away stops nothing.
+/// Writes a small file whole or not at all, while it is what is known of it.
+pub(super) fn save_known(path: &Path, bytes: &[u8], known: Known<'_>) -> Result<(), Stop> {
+    let cannot = |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot write {}: {e}", path.display()));
+    whole::save(path, bytes, known).map_err(cannot)
+}
+
+/// Writes a line to standard error, whatever texts it holds; a reader that has gone away stops nothing.
 pub(super) fn tell(line: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(line));
+}
+
+/// Writes a line of JSON to standard error.
+pub(super) fn tell_json(value: &serde_json::Value) {
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable_json(&value.to_string()));
 }
 
 /// Refuses to write over an input, whatever else the user said.
@@ -116,7 +123,27 @@ pub(super) fn spare_inputs(path: &Path, inputs: &[PathBuf]) -> Result<(), Stop> 
     Ok(())
 }
 
-/// Writes to standard output; a reader that has gone away is no error.
+/// Writes lines to standard output, each of them one line whatever texts it holds.
+pub(super) fn print_lines(lines: impl IntoIterator<Item = impl AsRef<str>>) -> Result<Exit, Stop> {
+    let mut text = String::new();
+    for line in lines {
+        text += &printable(line.as_ref());
+        text.push('\n');
+    }
+    print(&text)
+}
+
+/// Writes a JSON document to standard output.
+pub(super) fn print_json(value: &serde_json::Value) -> Result<Exit, Stop> {
+    print(&json_text(value))
+}
+
+/// A JSON document as it is printed and kept in files.
+pub(super) fn json_text(value: &serde_json::Value) -> String {
+    format!("{}\n", printable_json(&format!("{value:#}")))
+}
+
+/// Writes the program's own text to standard output; a reader that has gone away is no error.
 pub(super) fn print(text: &str) -> Result<Exit, Stop> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

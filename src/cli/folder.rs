@@ -2,28 +2,30 @@
 //!
 //! A build writes only into the folder the user named. It replaces files that a build wrote there before, which a
 //! small list in the folder remembers even when a build was killed; others only with `--overwrite`; its own inputs
-//! never.
+//! never. Many builds may write into one folder at the same time, as those of single tiles do.
 
 use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use cap_std::ambient_authority;
-use cap_std::fs::Dir;
-use serde_json::json;
+use cap_std::fs::{Dir, OpenOptions};
+use serde_json::{Value as Json, json};
 
-use super::exit::{Exit, Stop, save, spare_inputs};
-use crate::files::passing_name_of;
+use super::exit::{Exit, Stop, json_text, spare_inputs};
+use crate::files::sidecar_name;
+use crate::whole::{self, Changed, Known};
 
 const LIST: &str = ".orograph-files.json";
-
-/// How long a file under a passing name must have been left alone to be taken for a dead build's.
-const QUIET: Duration = Duration::from_secs(600);
+/// Locked by a build while it changes the list or a report that several builds share.
+const LOCK: &str = ".orograph-files.lock";
+/// How often the list is read anew where there are no locks and other builds change it.
+const TRIES: usize = 100;
 
 pub(super) struct Folder {
     path: PathBuf,
     dir: Dir,
-    written: BTreeSet<String>,
     inputs: Vec<PathBuf>,
     report: PathBuf,
     overwrite: bool,
@@ -37,15 +39,12 @@ impl Folder {
         report: &Path,
         overwrite: bool,
     ) -> Result<Self, Stop> {
-        let cannot = |e: std::io::Error| {
-            Stop::new(Exit::Failed, format!("cannot make the folder {}: {e}", path.display()))
+        let cannot = |what: &str, e: io::Error| {
+            Stop::new(Exit::Failed, format!("cannot {what} the folder {}: {e}", path.display()))
         };
-        std::fs::create_dir_all(path).map_err(cannot)?;
-        let dir = Dir::open_ambient_dir(path, ambient_authority()).map_err(cannot)?;
-        let list = std::fs::read(path.join(LIST)).ok();
-        let list = list.and_then(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
-        let names = list.as_ref().and_then(|v| v["files"].as_array());
-        let written = names.into_iter().flatten().filter_map(|n| n.as_str().map(str::to_owned)).collect();
+        std::fs::create_dir_all(path).map_err(|e| cannot("make", e))?;
+        let dir = Dir::open_ambient_dir(path, ambient_authority()).map_err(|e| cannot("open", e))?;
+        whole::probe_in(&dir, LIST).map_err(|e| cannot("write into", e))?;
         let theirs = report.symlink_metadata().is_ok() && !is_report(report) && !overwrite;
         if theirs {
             return Err(Stop::usage(format!(
@@ -53,35 +52,13 @@ impl Folder {
                 report.display()
             )));
         }
-        let folder = Self {
-            path: path.to_owned(),
-            dir,
-            written,
-            inputs: inputs.to_vec(),
-            report: report.to_owned(),
-            overwrite,
-        };
-        folder.sweep();
+        let (inputs, report) = (inputs.to_vec(), report.to_owned());
+        let folder = Self { path: path.to_owned(), dir, inputs, report, overwrite };
+        let (_, written) = folder.list()?;
+        let is_ours =
+            |left: &whole::Left<'_>| left.is_of(LIST) || written.iter().any(|name| left.is_of(name));
+        whole::sweep(&folder.dir, is_ours);
         Ok(folder)
-    }
-
-    /// Removes what builds that were killed left under passing names.
-    fn sweep(&self) {
-        let Ok(entries) = self.dir.entries() else { return };
-        let names = entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned());
-        let left: Vec<String> = names.filter(|n| self.is_left_over(n)).collect();
-        for name in left {
-            // Another build may sweep at the same time.
-            let _ = self.dir.remove_file(name);
-        }
-    }
-
-    /// Whether a file is one of this folder's under a passing name, and nobody has written it for a while: a process
-    /// of another machine may be at work in the same folder.
-    fn is_left_over(&self, name: &str) -> bool {
-        let ours = passing_name_of(name).is_some_and(|file| file == LIST || self.written.contains(file));
-        let modified = self.dir.metadata(name).ok().and_then(|m| m.modified().ok());
-        ours && modified.and_then(|m| m.into_std().elapsed().ok()).is_some_and(|age| age > QUIET)
     }
 
     /// The handle that files are written through.
@@ -89,36 +66,89 @@ impl Folder {
         &self.dir
     }
 
+    /// Keeps other builds from list and report while it is held; nothing where there are no locks.
+    pub(super) fn lock(&self) -> Option<File> {
+        let mut options = OpenOptions::new();
+        options.read(true).write(true).create(true);
+        let file = self.dir.open_with(LOCK, &options).ok()?.into_std();
+        file.lock().ok().map(|()| file)
+    }
+
+    /// The list as it is on the disk, and the names on it.
+    fn list(&self) -> Result<(Option<Vec<u8>>, BTreeSet<String>), Stop> {
+        let bytes = match self.dir.read(LIST) {
+            Ok(bytes) => bytes,
+            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok((None, BTreeSet::new())),
+            Err(e) => return Err(self.cannot(LIST, "read", &e)),
+        };
+        let list: Json = serde_json::from_slice(&bytes).unwrap_or_default();
+        let names = list["files"].as_array().into_iter().flatten();
+        let names = names.filter_map(|n| n.as_str().map(str::to_owned)).collect();
+        Ok((Some(bytes), names))
+    }
+
     /// Claims the names of all files that a build will write, before it writes any.
-    pub(super) fn claim(&mut self, names: &[String]) -> Result<(), Stop> {
-        for name in names {
-            let path = self.path.join(name);
-            spare_inputs(&path, &self.inputs)?;
-            if same_place(&path, &self.report) {
-                return Err(Stop::usage(format!(
-                    "{} is where the report goes; rename the output or name another place with --report",
-                    path.display()
-                )));
-            }
-            let theirs = path.symlink_metadata().is_ok() && !self.written.contains(name) && !self.overwrite;
-            if theirs {
-                return Err(Stop::usage(format!(
-                    "{} is there already and no build wrote it; name another folder or say --overwrite",
-                    path.display()
-                )));
+    pub(super) fn claim(&self, names: &[String]) -> Result<(), Stop> {
+        let _lock = self.lock();
+        for _ in 0..TRIES {
+            let (bytes, mut written) = self.list()?;
+            names.iter().try_for_each(|name| self.may_write(name, &written))?;
+            written.extend(names.iter().cloned());
+            let text = json_text(&json!({ "about": "files that orograph wrote here", "files": written }));
+            let known = bytes.as_deref().map_or(Known::Absent, Known::Bytes);
+            match whole::write(&self.dir, LIST, known, |out| out.write_all(text.as_bytes())) {
+                Ok(()) => return Ok(()),
+                Err(e) if Changed::is(&e) => (),
+                Err(e) => return Err(self.cannot(LIST, "write", &e)),
             }
         }
-        self.written.extend(names.iter().cloned());
-        let text =
-            format!("{:#}\n", json!({ "about": "files that orograph wrote here", "files": self.written }));
-        save(&self.path.join(LIST), text.as_bytes())
+        Err(self.cannot(LIST, "write", &Changed))
+    }
+
+    fn may_write(&self, name: &str, written: &BTreeSet<String>) -> Result<(), Stop> {
+        let path = self.path.join(name);
+        spare_inputs(&path, &self.inputs)?;
+        if same_place(&path, &self.report) {
+            return Err(Stop::usage(format!(
+                "{} is where the report goes; rename the output or name another place with --report",
+                path.display()
+            )));
+        }
+        let theirs = path.symlink_metadata().is_ok() && !written.contains(name) && !self.overwrite;
+        if theirs {
+            return Err(Stop::usage(format!(
+                "{} is there already and no build wrote it; name another folder or say --overwrite",
+                path.display()
+            )));
+        }
+        whole::may_replace(&self.dir, name).map_err(|e| self.cannot(name, "write", &e))
+    }
+
+    fn cannot(&self, name: &str, what: &str, why: &dyn std::fmt::Display) -> Stop {
+        Stop::new(Exit::Failed, format!("cannot {what} {}: {why}", self.path.join(name).display()))
+    }
+
+    /// The files that builds wrote here which are not of this build: neither among `own` nor, as their sidecars tell,
+    /// made of the same graph at the same size.
+    pub(super) fn stale(&self, own: &BTreeSet<String>, graph_key: &str, whole: [usize; 2]) -> Vec<String> {
+        let Ok((_, written)) = self.list() else { return Vec::new() };
+        let is_there = |name: &String| self.dir.symlink_metadata(name).is_ok();
+        let others = written.into_iter().filter(|name| !own.contains(name) && is_there(name));
+        others.filter(|name| !self.is_made_of(name, graph_key, whole)).collect()
+    }
+
+    fn is_made_of(&self, name: &str, graph_key: &str, whole: [usize; 2]) -> bool {
+        let sidecar = self.dir.read(sidecar_name(name)).ok();
+        let sidecar: Json = sidecar.and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default();
+        let [cols, rows] = whole;
+        let grid = &sidecar["grid"];
+        sidecar["graph_key"] == graph_key && grid["whole_cols"] == cols && grid["whole_rows"] == rows
     }
 }
 
 /// Whether a file is the report of a build.
 fn is_report(path: &Path) -> bool {
-    let json =
-        std::fs::read(path).ok().and_then(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
+    let json = std::fs::read(path).ok().and_then(|text| serde_json::from_slice::<Json>(&text).ok());
     json.is_some_and(|report| report.get("orograph").is_some() && report.get("graph_key").is_some())
 }
 

@@ -1,47 +1,50 @@
 //! `orograph info`: what a graph or a height file holds.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use serde_json::json;
 
-use super::exit::{Exit, Stop, print};
+use super::args::GraphArgs;
+use super::exit::{Exit, Stop, print_json, print_lines};
 use super::open;
 use crate::graph::Graph;
 use crate::nodes::Registry;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A .graph file or a height file
-    file: PathBuf,
+    #[command(flatten)]
+    graph: GraphArgs,
     /// Prints JSON
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
-    if !is_graph(&args.file) {
+    if !is_graph(&args.graph.graph) {
+        args.graph.refuse("graphs", args.graph.given())?;
         return height_file(args);
     }
-    let graph = open::load(&args.file, registry)?;
+    let graph = open::open(&args.graph, registry)?.graph;
     if args.json {
-        return print(&format!("{:#}\n", as_json(&graph)));
+        return print_json(&as_json(&graph));
     }
-    print(&text(&graph))
+    print_lines(lines(&graph))
 }
 
-/// Whether a file is a graph by its name.
-pub(super) fn is_graph(path: &std::path::Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("graph"))
+/// Whether a file is a graph by its name; standard input is one.
+pub(super) fn is_graph(path: &Path) -> bool {
+    path == Path::new(open::STDIN) || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("graph"))
 }
 
 fn height_file(args: &Args) -> Result<Exit, Stop> {
-    let name = args.file.to_string_lossy();
+    let file = &args.graph.graph;
+    let name = file.to_string_lossy();
     let bytes =
-        std::fs::read(&args.file).map_err(|e| Stop::new(Exit::Input, format!("cannot read {name}: {e}")))?;
+        std::fs::read(file).map_err(|e| Stop::new(Exit::Input, format!("cannot read {name}: {e}")))?;
     let sidecar = std::fs::read(crate::files::sidecar_name(&name)).ok();
     let info = crate::files::info(&name, &bytes, sidecar.as_deref(), &crate::files::Limits::default())
         .map_err(|e| Stop::new(Exit::Input, e))?;
-    print(&if args.json { format!("{:#}\n", json!(info)) } else { info.to_string() })
+    if args.json { print_json(&json!(info)) } else { print_lines(info.to_string().lines()) }
 }
 
 fn as_json(graph: &Graph) -> serde_json::Value {
@@ -63,7 +66,7 @@ fn as_json(graph: &Graph) -> serde_json::Value {
     })
 }
 
-fn text(graph: &Graph) -> String {
+fn lines(graph: &Graph) -> Vec<String> {
     let (about, t) = (graph.about(), graph.terrain());
     let mut lines = Vec::new();
     let mut field = |name: &str, value: &str| {
@@ -79,8 +82,12 @@ fn text(graph: &Graph) -> String {
     field(
         "terrain",
         &format!(
-            "{} x {} m, sea level {} m, seed {}, base {}",
-            t.width, t.depth, t.sea_level, t.seed, t.base
+            "{} x {} m, {}, seed {}, base {}",
+            t.width,
+            t.depth,
+            t.sea_level.map_or("no water".to_owned(), |level| format!("sea level {level} m")),
+            t.seed,
+            t.base
         ),
     );
     field("nodes", &graph.nodes().len().to_string());
@@ -94,5 +101,5 @@ fn text(graph: &Graph) -> String {
         let format = o.format.map_or("", |f| f.name());
         lines.push(format!("output   {name} from {} {format}  {}", o.from, o.about).trim_end().to_owned());
     }
-    lines.join("\n") + "\n"
+    lines
 }

@@ -8,9 +8,10 @@ use sha2::{Digest, Sha256};
 
 use super::exit::{Exit, Stop};
 use crate::engine::Want;
-use crate::files::{Format, Target, WriteJob, Writing, encode, sidecar_name, write_atomic};
+use crate::files::{Format, Target, WriteJob, Writing, encode, sidecar_name};
 use crate::graph::{Graph, Output, Place, Problem, Source};
 use crate::value::{Grid, Quantity, Terrain, Value};
+use crate::whole::{self, Known};
 
 /// A part of the window that is built at once.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +33,18 @@ pub(super) struct Job {
     channels: usize,
 }
 
+/// What the files of a build have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Common<'a> {
+    /// Whether the terrain is cut into tiles.
+    pub cut: bool,
+    pub terrain: &'a Terrain,
+    /// The grid of the whole terrain.
+    pub whole: Grid,
+    pub graph_key: &'a str,
+    pub folder: &'a Dir,
+}
+
 /// What was written.
 pub(super) struct Entry {
     pub json: Json,
@@ -43,10 +56,11 @@ pub(super) fn jobs(
     graph: &Graph,
     names: &[String],
     format: Option<Format>,
+    problems: &[Problem],
 ) -> (Vec<Job>, Vec<(String, Problem)>) {
     let (mut jobs, mut broken) = (Vec::new(), Vec::new());
     for (name, output) in graph.outputs().filter(|(n, _)| names.iter().any(|m| m == n)) {
-        match graph.output_source(name) {
+        match source_of(graph, name, problems) {
             Ok(source) => jobs.push(Job {
                 name: name.to_owned(),
                 source,
@@ -69,6 +83,14 @@ pub(super) fn said_of(problem: Problem) -> String {
         Place::Output(_) => problem.message,
         _ => problem.to_string(),
     }
+}
+
+/// The source of an output, where no problem of the graph stops it: what a check calls an error is none that a build
+/// passes over.
+pub(super) fn source_of(graph: &Graph, name: &str, problems: &[Problem]) -> Result<Source, Problem> {
+    let source = graph.output_source(name)?;
+    let upstream = graph.upstream(source.node);
+    problems.iter().find(|p| p.stops(name, &upstream)).map_or(Ok(source), |p| Err(p.clone()))
 }
 
 impl Job {
@@ -112,36 +134,25 @@ impl Job {
         self.range = Some(self.target.map_or([lo, hi], |t| t.range([lo, hi])));
     }
 
-    fn stem(&self, tile: &Tile, many: bool) -> String {
-        if many {
-            format!("{}_x{}_y{}", self.name, tile.place.col, tile.place.row)
-        } else {
-            self.name.clone()
-        }
+    fn stem(&self, tile: &Tile, cut: bool) -> String {
+        if cut { format!("{}_x{}_y{}", self.name, tile.place.col, tile.place.row) } else { self.name.clone() }
     }
 
-    fn file(&self, tile: &Tile, many: bool) -> String {
-        format!("{}.{}", self.stem(tile, many), self.format().extension())
+    fn file(&self, tile: &Tile, cut: bool) -> String {
+        format!("{}.{}", self.stem(tile, cut), self.format().extension())
     }
 
     /// The names of the files it will write for a tile.
-    pub(super) fn files(&self, tile: &Tile, many: bool) -> Vec<String> {
-        let file = self.file(tile, many);
+    pub(super) fn files(&self, tile: &Tile, cut: bool) -> Vec<String> {
+        let file = self.file(tile, cut);
         let sidecar = self.format().has_sidecar(self.channels).then(|| sidecar_name(&file));
         sidecar.into_iter().chain([file]).collect()
     }
 
     /// Writes the value of a tile, whole or not at all.
-    pub(super) fn write(
-        &self,
-        value: &Value,
-        tile: &Tile,
-        many: bool,
-        terrain: &Terrain,
-        whole: &Grid,
-        folder: &Dir,
-    ) -> Result<Entry, Stop> {
-        let file = self.file(tile, many);
+    pub(super) fn write(&self, value: &Value, tile: &Tile, to: &Common<'_>) -> Result<Entry, Stop> {
+        let Common { cut, terrain, whole, graph_key, folder } = *to;
+        let file = self.file(tile, cut);
         let writing = Writing {
             range: self.range,
             clip: self.output.clip,
@@ -149,18 +160,21 @@ impl Job {
             target: self.target,
             ..self.format().into()
         };
-        let tiled = many.then_some(tile.place);
-        let job = WriteJob { tile: tiled, ..WriteJob::new(value, writing, terrain, *whole) };
-        let (stamp, written) =
-            write_atomic(folder, &file, |out| encode(&job, out)).map_err(|e| Stop::new(Exit::Failed, e))?;
+        let job = WriteJob {
+            tile: cut.then_some(tile.place),
+            graph_key: Some(graph_key),
+            ..WriteJob::new(value, writing, terrain, whole)
+        };
+        let (stamp, written) = whole::write_stamped(folder, &file, |out| encode(&job, out))
+            .map_err(|e| Stop::new(Exit::Failed, e))?;
         let notes = written.notes;
+        let sidecar = written.sidecar.as_ref().map(|_| sidecar_name(&file));
         if let Some(sidecar) = &written.sidecar {
             let text = format!("{sidecar:#}\n");
-            write_atomic(folder, &sidecar_name(&file), |out| out.write_all(text.as_bytes())).map_err(
-                |e: std::io::Error| {
+            whole::write(folder, sidecar_name(&file), Known::Anything, |out| out.write_all(text.as_bytes()))
+                .map_err(|e: std::io::Error| {
                     Stop::new(Exit::Failed, format!("cannot write the sidecar of {file}: {e}"))
-                },
-            )?;
+                })?;
         }
         let range = match value {
             Value::Field(f) => f.range(),
@@ -174,7 +188,7 @@ impl Job {
             "quantity": self.quantity.name(), "unit": self.quantity.unit(),
             "min": range.map(|r| r.0), "max": range.map(|r| r.1),
             "range": written.range, "clipped": written.clipped, "notes": notes,
-            "tile": many.then(|| json!(tile.place)),
+            "tile": cut.then(|| json!(tile.place)), "sidecar": sidecar,
         });
         Ok(Entry { json, notes })
     }

@@ -15,17 +15,20 @@ mod progress;
 mod render;
 mod report;
 mod reserve;
+mod shared;
 mod tiles;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use serde_json::json;
 
 pub use exit::Exit;
 
 use crate::node::Cancel;
 use crate::nodes::Registry;
+use crate::text::printable;
 
 /// A node-graph terrain tool: evaluates .graph files to height fields, pictures and reports.
 #[derive(Debug, Parser)]
@@ -69,6 +72,17 @@ enum Command {
 }
 
 impl Command {
+    /// Whether the result on standard output is JSON, which an error is then, too.
+    fn prints_json(&self) -> bool {
+        match self {
+            Self::Check(args) => args.json,
+            Self::Info(args) => args.json,
+            Self::Plan(args) => args.json,
+            Self::Nodes(args) => args.json,
+            _ => false,
+        }
+    }
+
     fn is_editor(&self) -> bool {
         #[cfg(feature = "editor")]
         return matches!(self, Self::Edit { .. });
@@ -79,15 +93,15 @@ impl Command {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse_from(words(std::env::args_os().collect())) {
+    let words = words(std::env::args_os().collect());
+    let cli = match Cli::try_parse_from(&words) {
         Ok(cli) => cli,
-        Err(e) => {
-            // Help and version go to standard output and are no error.
-            let code = if e.use_stderr() { Exit::Usage } else { Exit::Done };
-            let _ = e.print();
-            return code.into();
-        }
+        Err(e) => return refuse(e, &words).into(),
     };
+    let json = cli.command.prints_json();
+    if let Some(unknown) = crate::kit::simd::Level::unknown() {
+        exit::tell(&format!("warning: {unknown}"));
+    }
     let cancel = Cancel::default();
     // The editor just ends at a signal: what is unsaved is kept for its next start.
     if !cli.command.is_editor() {
@@ -97,9 +111,29 @@ pub fn main() -> ExitCode {
         Ok(exit) => exit.into(),
         Err(stop) => {
             exit::tell(&format!("error: {}", stop.message));
+            if json && !stop.printed {
+                // The code tells of the error whether or not somebody reads this.
+                let _ = exit::print_json(&json!({ "error": stop.message, "exit": stop.exit.code() }));
+            }
             stop.exit.into()
         }
     }
+}
+
+/// Prints why the command line was refused, or the help or version that it asks for.
+fn refuse(error: clap::Error, words: &[OsString]) -> Exit {
+    if !error.use_stderr() {
+        let _ = error.print();
+        return Exit::Done;
+    }
+    // The message quotes the words: it is made once more of words that can be printed.
+    let shown = words.iter().map(|w| printable(&w.to_string_lossy()).into_owned());
+    match Cli::try_parse_from(shown) {
+        Err(shown) if shown.use_stderr() => _ = shown.print(),
+        // Words that were no text at all may be fine as they are shown.
+        _ => exit::tell(error.to_string().trim_end()),
+    }
+    Exit::Usage
 }
 
 /// Asks the work to stop at the first signal and ends the process at the second.
@@ -140,7 +174,7 @@ fn run(cli: Cli, cancel: &Cancel) -> Result<Exit, exit::Stop> {
         Command::Nodes(args) => nodes::run(&args, &registry),
         Command::Schema => {
             let schema = crate::graph::schema(&registry);
-            exit::print(&format!("{schema:#}\n"))
+            exit::print_json(&schema)
         }
         Command::Fmt(args) => check::fmt(&args, &registry),
         Command::Convert(args) => convert::run(&args, cancel),

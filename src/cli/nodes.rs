@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::exit::{Exit, Stop, print};
+use super::exit::{Exit, Stop, print, print_json};
 use crate::node::Kind;
 use crate::nodes::Registry;
 use crate::params::{Param, Shape};
 use crate::ports::Port;
+use crate::whole::{self, Known};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -17,7 +18,7 @@ pub(super) struct Args {
     kind: Option<String>,
     /// Prints JSON
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     /// Writes one Markdown page a kind, and an index, into a folder
     #[arg(long, value_name = "DIR", conflicts_with_all = ["kind", "json"])]
     docs: Option<PathBuf>,
@@ -31,11 +32,11 @@ pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
         let kind = registry.find(id);
         let kind =
             kind.ok_or_else(|| Stop::usage(format!("there is no kind `{id}`{}", registry.suggest(id))))?;
-        return print(&if args.json { format!("{:#}\n", as_json(kind)) } else { page(kind) });
+        return if args.json { print_json(&as_json(kind)) } else { print(&page(kind)) };
     }
     if args.json {
         let all: Vec<_> = registry.iter().map(as_json).collect();
-        return print(&format!("{:#}\n", json!(all)));
+        return print_json(&json!(all));
     }
     print(&list(registry))
 }
@@ -52,16 +53,10 @@ fn list(registry: &Registry) -> String {
     for family in families(registry) {
         let _ = writeln!(text, "{family}");
         for kind in registry.iter().filter(|k| k.family == family) {
-            let _ = writeln!(text, "  {:20} {}", kind.id, first_sentence(&kind.doc()));
+            let _ = writeln!(text, "  {:20} {}", kind.id, kind.summary());
         }
     }
     text
-}
-
-/// The first sentence of a page, which stands alone.
-fn first_sentence(doc: &str) -> String {
-    let line: Vec<&str> = doc.lines().take_while(|l| !l.trim().is_empty()).collect();
-    line.join(" ")
 }
 
 fn as_json(kind: &'static Kind) -> serde_json::Value {
@@ -156,7 +151,7 @@ fn cell(text: &str) -> String {
 fn write_pages(folder: &Path, registry: &Registry) -> Result<Exit, Stop> {
     let write = |name: &str, text: &str| {
         let path = folder.join(name);
-        std::fs::write(&path, text)
+        whole::save(&path, text.as_bytes(), Known::Anything)
             .map_err(|e| Stop::new(Exit::Failed, format!("cannot write {}: {e}", path.display())))
     };
     std::fs::create_dir_all(folder)
@@ -165,7 +160,7 @@ fn write_pages(folder: &Path, registry: &Registry) -> Result<Exit, Stop> {
     for family in families(registry) {
         let _ = write!(index, "\n## {}\n\n", title(family));
         for kind in registry.iter().filter(|k| k.family == family) {
-            let _ = writeln!(index, "- [{}]({}.md): {}", kind.id, kind.id, first_sentence(&kind.doc()));
+            let _ = writeln!(index, "- [{}]({}.md): {}", kind.id, kind.id, kind.summary());
             write(&format!("{}.md", kind.id), &page(kind))?;
         }
     }

@@ -1,5 +1,6 @@
 //! Opening a graph with what the command line changes in it.
 
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value as Json;
@@ -7,9 +8,12 @@ use serde_json::Value as Json;
 use super::args::GraphArgs;
 use super::exit::{Exit, Stop};
 use crate::engine::Files;
-use crate::graph::{Graph, LoadError, Problem};
+use crate::graph::{Graph, LoadError, MAX_FILE, Problem};
 use crate::node::FileRequest;
 use crate::nodes::Registry;
+
+/// Most bytes of a file of variables.
+const MAX_VARIABLES: u64 = MAX_FILE;
 
 /// A graph ready to evaluate, and the files it may read.
 pub(super) struct Opened {
@@ -20,22 +24,44 @@ pub(super) struct Opened {
     pub variables: serde_json::Map<String, Json>,
 }
 
+/// The path that stands for standard input.
+pub(super) const STDIN: &str = "-";
+
 /// Reads the file alone.
 pub(super) fn load(path: &Path, registry: &Registry) -> Result<Graph, Stop> {
-    Graph::open(path, registry).map_err(|e| {
+    let (graph, name) = if is_stdin(path) {
+        (from_stdin(registry), "standard input".into())
+    } else {
+        (Graph::open(path, registry), path.to_string_lossy())
+    };
+    graph.map_err(|e| {
         let exit =
             if matches!(e, LoadError::Read(_) | LoadError::NotAFile) { Exit::Input } else { Exit::Graph };
-        Stop::new(exit, format!("{e}: {}", path.display()))
+        Stop::new(exit, format!("{e}: {name}"))
     })
+}
+
+pub(super) fn is_stdin(path: &Path) -> bool {
+    path == Path::new(STDIN)
+}
+
+fn from_stdin(registry: &Registry) -> Result<Graph, LoadError> {
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().take(MAX_FILE + 1).read_to_end(&mut bytes)?;
+    Graph::from_bytes(&bytes, registry)
+}
+
+/// The folder whose files a graph may read: its own, or where the user stands.
+fn folder_of(graph: &Path) -> &Path {
+    graph.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Reads the graph and applies `--set`, `--vars`, `--seed` and `--base`.
 pub(super) fn open(args: &GraphArgs, registry: &Registry) -> Result<Opened, Stop> {
     let mut graph = load(&args.graph, registry)?;
     let mut files = Files::default();
-    let folder = args.graph.parent().unwrap_or(Path::new("."));
     files
-        .allow_folder(folder)
+        .allow_folder(folder_of(&args.graph))
         .map_err(|e| Stop::new(Exit::Input, format!("cannot open the graph's folder: {e}")))?;
     for folder in args.allow.iter().cloned().chain(crate::engine::kept_folders()) {
         let opened = files.allow_folder(&folder);
@@ -74,9 +100,15 @@ pub(super) fn open(args: &GraphArgs, registry: &Registry) -> Result<Opened, Stop
 fn variables_of(path: &Path) -> Result<serde_json::Map<String, Json>, Stop> {
     let unreadable =
         |e: &dyn std::fmt::Display| Stop::new(Exit::Input, format!("--vars: {e}: {}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|e| unreadable(&e))?;
+    // A pipe will do, as a shell makes of `<(…)`; what has no end is not read to it.
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(|e| unreadable(&e))?;
+    file.take(MAX_VARIABLES + 1).read_to_string(&mut text).map_err(|e| unreadable(&e))?;
+    if text.len() as u64 > MAX_VARIABLES {
+        return Err(unreadable(&format!("is larger than {MAX_VARIABLES} bytes")));
+    }
     let wrong = |e: &dyn std::fmt::Display| Stop::usage(format!("--vars: {e}: {}", path.display()));
-    match crate::graph::strict_json(&text).map_err(|e| wrong(&e))? {
+    match crate::graph::strict_json(text.strip_prefix('\u{feff}').unwrap_or(&text)).map_err(|e| wrong(&e))? {
         Json::Object(map) => Ok(map),
         _ => Err(wrong(&"must hold a JSON object of names and values")),
     }
@@ -98,9 +130,10 @@ fn assign(graph: &mut Graph, files: &mut Files, name: &str, text: &str) -> Resul
 
 /// The files that are read: the graph, the variables, and what the nodes name, as far as it lies where they say.
 pub(super) fn inputs(args: &GraphArgs, graph: &Graph) -> Vec<PathBuf> {
-    let folder = args.graph.parent().unwrap_or(Path::new("."));
+    let folder = folder_of(&args.graph);
     let sources = requests(graph).map(|f| folder.join(f.name));
-    [args.graph.clone()].into_iter().chain(args.vars.clone()).chain(sources).collect()
+    let own = (!is_stdin(&args.graph)).then(|| args.graph.clone());
+    own.into_iter().chain(args.vars.clone()).chain(sources).collect()
 }
 
 /// The files that the nodes of a graph ask for.

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::args::{EngineArgs, GraphArgs, GridArgs};
-use super::exit::{Exit, Stop, print, tell};
+use super::exit::{Exit, Stop, print_json, print_lines, tell};
 use super::job::{jobs, said_of};
 use super::open::{self, Opened};
 use super::progress::{Mode, Progress};
@@ -13,6 +13,7 @@ use crate::engine::{Engine, Options, Plan, Want, bytes};
 use crate::graph::{Graph, Problem};
 use crate::node::Cancel;
 use crate::nodes::Registry;
+use crate::text::printable;
 use crate::value::Grid;
 
 #[derive(Debug, clap::Args)]
@@ -30,7 +31,7 @@ pub(super) struct Args {
     outputs: Vec<String>,
     /// Prints JSON
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// The outputs of a graph with those names, or all.
@@ -56,13 +57,13 @@ pub(super) fn want(graph: &Graph, output: &str, grid: Grid) -> Result<Want, crat
 }
 
 pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
-    let Opened { graph, files, .. } = open::open(&args.graph, registry)?;
+    let Opened { graph, files, problems, .. } = open::open(&args.graph, registry)?;
     let (whole, window) = args.grid.grids(graph.terrain())?;
     // All tiles are alike; a build is admitted by its largest.
     let tiles = tiles(&args.tiles, &window)?;
     let tile = tiles.iter().map(|t| t.grid).max_by_key(Grid::len).unwrap_or(window);
     let names = chosen(&graph, &args.outputs)?;
-    let (jobs, broken) = jobs(&graph, &names, None);
+    let (jobs, broken) = jobs(&graph, &names, None, &problems);
     let wants: Vec<_> = jobs.iter().map(|j| j.want(tile)).collect();
     let reserve = reserve(&graph, &args.engine, Some(&tile));
     let engine = Engine::new(&Options { reserve, ..args.engine.options() }, files)?;
@@ -72,7 +73,11 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let made: Vec<String> = jobs.iter().map(|j| j.name.clone()).collect();
     let failures = failures(&plan, &made, broken);
     let planned = Planned { plan: &plan, names: &made, window: &tile, reserve, failures: &failures };
-    print(&if args.json { json_of(&planned) } else { table(&planned) })?;
+    if args.json {
+        print_json(&json_of(&planned))?;
+    } else {
+        print_lines(table(&planned))?;
+    }
     for line in warnings(&plan, &made, &whole) {
         tell(&format!("warning: {line}"));
     }
@@ -80,7 +85,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
         tell(&format!("error: output `{}`: {}", f.output, f.message));
     }
     match refused {
-        Some(e) => Err(e.into()),
+        Some(e) => Err(Stop { printed: true, ..e.into() }),
         None => Ok(failures.first().map_or(Exit::Done, |f| f.exit)),
     }
 }
@@ -135,13 +140,13 @@ pub(super) fn warnings(plan: &Plan, names: &[String], window: &Grid) -> Vec<Stri
     names.iter().enumerate().filter_map(coarser).chain(narrow).collect()
 }
 
-fn table(planned: &Planned<'_>) -> String {
+fn table(planned: &Planned<'_>) -> Vec<String> {
     let &Planned { plan, names, window, reserve, failures } = planned;
     let mut rows =
         vec![["node", "kind", "stage", "grid", "detail m", "memory", "seconds", "cached"].map(String::from)];
     for t in plan.tasks() {
         rows.push([
-            t.node,
+            printable(&t.node).into_owned(),
             t.kind.to_owned(),
             t.stage.name().to_owned(),
             t.grid.map_or_else(|| "none".into(), |g| format!("{} x {}", g.cols, g.rows)),
@@ -153,33 +158,34 @@ fn table(planned: &Planned<'_>) -> String {
     }
     let width = |c: usize| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..8).map(width).collect();
-    let mut text = String::new();
+    let mut lines = Vec::new();
     for row in &rows {
         let line: Vec<String> = row.iter().zip(&widths).map(|(cell, w)| format!("{cell:w$}")).collect();
-        text += line.join("  ").trim_end();
-        text.push('\n');
+        lines.push(line.join("  ").trim_end().to_owned());
     }
     for (i, name) in names.iter().enumerate() {
         if let Some(cell) = plan.effective_cell(i) {
-            text +=
-                &format!("output {name}: {} x {}, detail down to {cell:.3} m\n", window.cols, window.rows);
+            lines.push(format!(
+                "output {name}: {} x {}, detail down to {cell:.3} m",
+                window.cols, window.rows
+            ));
         }
     }
     for f in failures {
-        text += &format!("output {}: cannot be made\n", f.output);
+        lines.push(format!("output {}: cannot be made", f.output));
     }
     let (peak, need) = (plan.peak_bytes(), plan.peak_bytes().saturating_add(reserve));
-    text += &format!(
-        "memory {}, {} of them for nodes and {} for the program and its writers; {:.2} s on one core\n",
+    lines.push(format!(
+        "memory {}, {} of them for nodes and {} for the program and its writers; {:.2} s on one core",
         bytes(need),
         bytes(peak),
         bytes(reserve),
         plan.seconds()
-    );
-    text
+    ));
+    lines
 }
 
-fn json_of(planned: &Planned<'_>) -> String {
+fn json_of(planned: &Planned<'_>) -> serde_json::Value {
     let &Planned { plan, names, window, reserve, failures } = planned;
     let tasks = plan.tasks().into_iter().map(|t| {
         json!({
@@ -194,11 +200,10 @@ fn json_of(planned: &Planned<'_>) -> String {
     });
     let outputs: Vec<_> = outputs.collect();
     let failed = |f: &Failed| json!({ "output": f.output, "error": f.message, "exit": f.exit.code() });
-    let whole = json!({
+    json!({
         "tasks": tasks, "outputs": outputs, "failures": failures.iter().map(failed).collect::<Vec<_>>(),
         "peak_bytes": plan.peak_bytes(), "reserve_bytes": reserve,
         "need_bytes": plan.peak_bytes().saturating_add(reserve),
         "unread_bytes": plan.unread_bytes(), "seconds": plan.seconds(),
-    });
-    format!("{whole:#}\n")
+    })
 }

@@ -8,8 +8,9 @@ use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use super::exit::tell;
+use super::exit::{tell, tell_json};
 use crate::engine::{Observer, Plan, PlannedTask};
+use crate::text::printable;
 
 /// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -25,6 +26,8 @@ pub(super) enum Mode {
 /// Shows the progress of one evaluation after the other.
 pub(super) struct Progress {
     mode: Mode,
+    /// Whether the user chose the mode.
+    asked: bool,
     bar: ProgressBar,
     state: Mutex<State>,
 }
@@ -40,7 +43,7 @@ struct State {
 
 impl Progress {
     pub(super) fn new(mode: Option<Mode>) -> Self {
-        let terminal = std::io::stderr().is_terminal();
+        let (asked, terminal) = (mode.is_some(), std::io::stderr().is_terminal());
         let mode = mode.unwrap_or(if terminal { Mode::Bar } else { Mode::None });
         let bar = if mode == Mode::Bar { ProgressBar::new(1000) } else { ProgressBar::hidden() };
         let style = ProgressStyle::with_template("{elapsed:>5} {bar:30} {percent:>3} % {wide_msg}");
@@ -48,7 +51,7 @@ impl Progress {
         if mode == Mode::Bar {
             bar.enable_steady_tick(Duration::from_millis(200));
         }
-        Self { mode, bar, state: Mutex::default() }
+        Self { mode, asked, bar, state: Mutex::default() }
     }
 
     /// Says what the next evaluation is for: a tile, a base range.
@@ -59,6 +62,15 @@ impl Progress {
     /// Says something above the bar.
     pub(super) fn say(&self, message: &str) {
         self.bar.suspend(|| tell(message));
+    }
+
+    /// Says what was done, unless nothing is to be shown.
+    pub(super) fn news(&self, message: &str) {
+        match self.mode {
+            Mode::None if self.asked => (),
+            Mode::Json => tell_json(&json!({ "event": "news", "text": message })),
+            _ => self.say(message),
+        }
     }
 
     pub(super) fn end(&self) {
@@ -77,7 +89,8 @@ impl Progress {
         self.bar.set_position((share * 1000.0) as u64);
         let names: Vec<_> =
             state.running.iter().filter_map(|&i| Some(state.tasks.get(i)?.node.as_str())).collect();
-        self.bar.set_message(format!("{} {}", state.label, names.join(", ")));
+        let message = format!("{} {}", state.label, names.join(", "));
+        self.bar.set_message(printable(&message).into_owned());
     }
 
     fn line(&self, event: &str, task: usize, rest: serde_json::Value) {
@@ -91,7 +104,7 @@ impl Progress {
         if let (Some(line), Some(rest)) = (line.as_object_mut(), rest.as_object()) {
             line.extend(rest.clone());
         }
-        tell(&line.to_string());
+        tell_json(&line);
     }
 }
 

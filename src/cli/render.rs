@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
-use super::args::{EngineArgs, GraphArgs, GridArgs};
+use super::args::{EngineArgs, GraphArgs, GridArgs, parse_positive};
 use super::exit::{Exit, Stop, save, spare_inputs, tell};
 use super::info::is_graph;
 use super::open::{self, Opened};
 use super::plan::{chosen, want};
 use super::progress::{Mode, Progress};
 use super::reserve::reserve;
-use crate::engine::{Engine, Options, SharedFailure, Want};
+use crate::engine::{Engine, Options, Want};
 use crate::files::{Limits, fill_voids, read_height, sidecar_name};
-use crate::graph::Source;
+use crate::graph::{Graph, Source};
 use crate::node::Cancel;
 use crate::nodes::Registry;
 use crate::render::{Camera, Edge, Palette, Picture, Scene, Sun, Watch, map, perspective};
@@ -30,7 +30,7 @@ pub(super) struct Args {
     /// The output of the graph to draw [default: the first that is a field]
     #[arg(long = "output", value_name = "NAME")]
     output: Option<String>,
-    /// The output of the graph to colour the ground with
+    /// The output of the graph to colour the ground with [default: the first that is colours]
     #[arg(long, value_name = "NAME")]
     color: Option<String>,
     #[command(flatten)]
@@ -44,8 +44,8 @@ pub(super) struct Args {
     /// Rows of a perspective [default: five eighths of the columns]
     #[arg(long, value_name = "PIXELS")]
     height: Option<usize>,
-    /// Colours of the ground: satellite, clay, or the name of a ramp
-    #[arg(long, value_name = "NAME")]
+    /// Colours of the ground instead of the graph's own: satellite, clay, or the name of a ramp
+    #[arg(long, value_name = "NAME", conflicts_with = "color")]
     palette: Option<String>,
     /// Compass direction the light comes from, and its height above the horizon, in degrees
     #[arg(long, value_name = "AZIMUTH,ALTITUDE", allow_hyphen_values = true)]
@@ -81,10 +81,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "EDGE")]
     edge: Option<String>,
     /// Metres a unit of a height file that does not say
-    #[arg(long, value_name = "METRES", default_value_t = 1.0)]
-    height_scale: f64,
+    #[arg(long, value_name = "METRES", value_parser = parse_positive, allow_hyphen_values = true)]
+    height_scale: Option<f64>,
     /// Metres between the samples of a height file that does not say
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", value_parser = parse_positive, allow_hyphen_values = true)]
     cell: Option<f64>,
     #[command(flatten)]
     engine: EngineArgs,
@@ -100,6 +100,11 @@ enum View {
     /// From a camera
     Perspective,
 }
+
+/// The palette that land is drawn with where nothing else is said.
+const DEFAULT_PALETTE: &str = "satellite";
+/// The input by which a kind that gives colours takes their shade.
+const SHADE: &str = "shade";
 
 /// What is to be drawn.
 struct Subject {
@@ -117,6 +122,9 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
             args.out.display()
         )));
     }
+    args.refuse()?;
+    let cannot = |e| Stop::new(Exit::Failed, format!("cannot write {}: {e}", args.out.display()));
+    crate::whole::probe(&args.out).map_err(cannot)?;
     let progress = Progress::new(args.progress);
     let subject = if is_graph(&args.graph.graph) {
         from_graph(args, registry, &progress, cancel)
@@ -128,6 +136,29 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let png = picture?.to_png().map_err(|e| Stop::new(Exit::Failed, e))?;
     save(&args.out, &png)?;
     Ok(Exit::Done)
+}
+
+impl Args {
+    /// Refuses options that would be ignored: those for graphs with a height file, and the other way round.
+    fn refuse(&self) -> Result<(), Stop> {
+        let named = |options: &[(&'static str, bool)]| -> Vec<&'static str> {
+            options.iter().filter_map(|(name, given)| given.then_some(*name)).collect()
+        };
+        if is_graph(&self.graph.graph) {
+            let given =
+                named(&[("--height-scale", self.height_scale.is_some()), ("--cell", self.cell.is_some())]);
+            return self.graph.refuse("height files", given);
+        }
+        let given = named(&[
+            ("--output", self.output.is_some()),
+            ("--color", self.color.is_some()),
+            ("--size", self.grid.size.is_some()),
+            ("--region", self.grid.region.is_some()),
+            ("--cache", self.engine.cache.is_some()),
+            ("--cache-size", self.engine.cache_size.is_some()),
+        ]);
+        self.graph.refuse("graphs", self.graph.given().chain(given))
+    }
 }
 
 fn from_graph(
@@ -151,37 +182,84 @@ fn from_graph(
             fields.next().ok_or_else(|| Stop::usage("the graph has no output that is a field"))?
         }
     };
-    let color = args.color.as_ref().map(named).transpose()?;
+    let color = match &args.color {
+        Some(name) => Some((name.clone(), named(name)?)),
+        None => None,
+    };
     let reserve = reserve(&graph, &args.engine, Some(&window));
     let engine = Engine::new(&Options { reserve, ..args.engine.options() }, files)?;
-    let wants: Vec<Want> = [height].into_iter().chain(color).collect();
-    let evaluation = engine.evaluate(&graph, &wants, progress, cancel)?;
-    evaluation.notices.iter().for_each(|notice| progress.say(&format!("warning: {notice}")));
-    for task in &evaluation.tasks {
-        let named = |warning| format!("warning: node `{}`: {warning}", task.node);
-        task.warnings.iter().map(named).for_each(|line| progress.say(&line));
+    let evaluated = |graph: &Graph, want: Want| {
+        let evaluation = engine.evaluate(graph, &[want], progress, cancel)?;
+        evaluation.notices.iter().for_each(|notice| progress.say(&format!("warning: {notice}")));
+        for task in &evaluation.tasks {
+            let named = |warning| format!("warning: node `{}`: {warning}", task.node);
+            task.warnings.iter().map(named).for_each(|line| progress.say(&line));
+        }
+        let value = evaluation.values.into_iter().next();
+        let value = value.ok_or_else(|| Stop::new(Exit::Failed, "the output gives nothing"))?;
+        value.map_err(|f| Stop::new(Exit::of(&f), f))
+    };
+    let height = evaluated(&graph, height)?;
+    let is_land = matches!(&height, Value::Field(f) if f.quantity() == Quantity::Elevation);
+    // The graph's own colours are those of land; a mask is drawn as it is.
+    let own = || own_colors(&graph, window).filter(|_| is_land && args.palette.is_none());
+    let color = match (color, own()) {
+        (Some((name, want)), _) => Some((name, evaluated(&graph, want)?)),
+        (None, Some((name, plain, want))) => {
+            let given = evaluated(&plain, want);
+            given.map(|value| Some((name, value))).or_else(|stop| without(stop, progress))?
+        }
+        (None, None) => None,
+    };
+    match &color {
+        Some((name, _)) => {
+            progress.news(&format!("coloured by the output `{name}`; --palette NAME draws other colours"))
+        }
+        None if is_land => {
+            let palette = args.palette.as_deref().unwrap_or(DEFAULT_PALETTE);
+            progress.news(&format!("coloured by the palette `{palette}`"));
+        }
+        None => (),
     }
-    subject(graph.terrain().sea_level, evaluation.values)
+    subject(graph.terrain().sea_level, height, color.map(|(_, value)| value))
 }
 
-/// What the values of the height output and, where one is wanted, the colour output show.
-fn subject(sea: f64, values: Vec<Result<Value, SharedFailure>>) -> Result<Subject, Stop> {
-    let mut values = values.into_iter();
-    let mut next = || values.next().map(|v| v.map_err(|f| Stop::new(Exit::of(&f), f))).transpose();
-    let first = next()?;
-    let color = match next()? {
+/// The first output of a graph that is colours, with what it wants, and the graph that gives them without the shade
+/// that was put into them: the picture has light of its own.
+fn own_colors(graph: &Graph, window: Grid) -> Option<(String, Graph, Want)> {
+    let outputs = graph.outputs().filter_map(|(name, _)| Some((name, graph.output_source(name).ok()?)));
+    let (name, source) = outputs.into_iter().find(|(_, s)| graph.wire_type(*s) == Some(WireType::Colors))?;
+    let mut plain = graph.clone();
+    if graph.source(source.node, SHADE).is_some() {
+        plain.disconnect(source.node, SHADE).ok()?;
+    }
+    Some((name.to_owned(), plain, Want { node: source.node, port: source.port, grid: window }))
+}
+
+/// Draws without the graph's own colours where they cannot be made, unless the work was to stop.
+fn without<T>(stop: Stop, progress: &Progress) -> Result<Option<T>, Stop> {
+    if matches!(stop.exit, Exit::Cancelled | Exit::Budget) {
+        return Err(stop);
+    }
+    progress.say(&format!("warning: the graph's own colours are left out: {}", stop.message));
+    Ok(None)
+}
+
+/// What the values of the height output and, where there is one, the colour output show.
+fn subject(sea: Option<f64>, first: Value, color: Option<Value>) -> Result<Subject, Stop> {
+    let color = match color {
         Some(Value::Colors(c)) => Some(c),
         None => None,
         _ => return Err(Stop::usage("--color must name an output that is colours")),
     };
     match first {
-        Some(Value::Field(height)) if height.quantity() == Quantity::Elevation => {
+        Value::Field(height) if height.quantity() == Quantity::Elevation => {
             // A terrain that stays above the sea is drawn without one.
-            let wet = height.range().is_some_and(|(lo, _)| f64::from(lo) < sea);
-            Ok(Subject { height, color, sea_level: wet.then_some(sea), flat: false })
+            let low = height.range().map_or(f64::MAX, |(lo, _)| f64::from(lo));
+            Ok(Subject { height, color, sea_level: sea.filter(|sea| low < *sea), flat: false })
         }
-        Some(Value::Field(values)) => Ok(flat(color.unwrap_or_else(|| greys(&values)))),
-        Some(Value::Colors(colors)) => Ok(flat(color.unwrap_or(colors))),
+        Value::Field(values) => Ok(flat(color.unwrap_or_else(|| greys(&values)))),
+        Value::Colors(colors) => Ok(flat(color.unwrap_or(colors))),
         _ => Err(Stop::usage("--output must name an output that is a field or colours")),
     }
 }
@@ -209,8 +287,8 @@ fn from_file(args: &Args) -> Result<Subject, Stop> {
     let mut file = read_height(&name, &bytes, sidecar.as_deref(), &Limits::default())
         .map_err(|e| Stop::new(Exit::Input, e))?;
     fill_voids(file.cols, file.rows, &mut file.data);
-    if args.height_scale != 1.0 {
-        file.data.iter_mut().for_each(|z| *z *= args.height_scale as f32);
+    if let Some(scale) = args.height_scale {
+        file.data.iter_mut().for_each(|z| *z *= scale as f32);
     }
     // Cells that are not square, as those of degrees, are drawn by their mean.
     let own = file.placement.cell.map(|[x, y]| (x * y).sqrt());
@@ -218,7 +296,7 @@ fn from_file(args: &Args) -> Result<Subject, Stop> {
         tell("note: the file does not say how far apart its samples are; drawn 1 m apart, --cell says otherwise");
         1.0
     });
-    if !file.metres && args.height_scale == 1.0 {
+    if !file.metres && args.height_scale.is_none() {
         tell("note: the file holds plain numbers; drawn as metres, --height-scale says otherwise");
     }
     let intervals = (file.cols.max(file.rows) - 1).max(1) as u32;

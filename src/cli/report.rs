@@ -1,21 +1,32 @@
 //! The machine-readable report of a build: removed when the build starts, written last.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value as Json, json};
 
-use super::exit::{Exit, Stop, print, save};
+use super::exit::{Exit, Stop, json_text, print_json, save};
+use super::folder::Folder;
+use super::shared::{self, Part};
 use crate::engine::TaskReport;
+use crate::files::Tile;
+use crate::whole;
+
+/// The name of the report in the folder of a build.
+pub(super) const REPORT: &str = "report.json";
 
 /// The path that stands for standard output.
 pub(super) const STDOUT: &str = "-";
 
 /// Collects what a build did.
-pub(super) struct Report {
+pub(super) struct Report<'a> {
     path: PathBuf,
+    folder: &'a Folder,
     started: std::time::Instant,
     head: Map<String, Json>,
+    /// What this build makes of a report that others share.
+    part: Option<Part>,
     outputs: Vec<Json>,
     failures: Vec<Json>,
     warnings: Vec<String>,
@@ -35,36 +46,71 @@ struct NodeTotal {
     failed: bool,
 }
 
-impl Report {
-    /// Starts a report; one that an earlier build left is removed, so that no report speaks of files that are no more.
-    pub(super) fn start(path: &Path, head: Map<String, Json>) -> Result<Self, Stop> {
-        if path == Path::new(STDOUT) {
-            return Ok(Self::empty(path, head));
-        }
-        match std::fs::remove_file(path) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Stop::new(
-                    Exit::Failed,
-                    format!("cannot remove the old report {}: {e}", path.display()),
-                ));
-            }
-            _ => (),
-        }
-        Ok(Self::empty(path, head))
-    }
-
-    fn empty(path: &Path, head: Map<String, Json>) -> Self {
-        Self {
+impl<'a> Report<'a> {
+    /// Starts a report. What an earlier build left is removed, so that no report speaks of files that are no more;
+    /// of a report that builds of single tiles share, what it says of this build's tiles.
+    pub(super) fn start(
+        path: &Path,
+        folder: &'a Folder,
+        head: Map<String, Json>,
+        part: Option<Part>,
+    ) -> Result<Self, Stop> {
+        let report = Self {
             path: path.to_owned(),
+            folder,
             started: std::time::Instant::now(),
             head,
+            part,
             outputs: Vec::new(),
             failures: Vec::new(),
             warnings: Vec::new(),
             nodes: BTreeMap::new(),
             peak_bytes: 0,
             planned_bytes: 0,
+        };
+        if !report.is_printed() {
+            let cannot = |e: io::Error| {
+                Stop::new(Exit::Failed, format!("cannot write the report {}: {e}", path.display()))
+            };
+            whole::probe(path).map_err(cannot)?;
+            report.clear()?;
         }
+        Ok(report)
+    }
+
+    fn is_printed(&self) -> bool {
+        self.path == Path::new(STDOUT)
+    }
+
+    fn clear(&self) -> Result<(), Stop> {
+        let _lock = self.part.as_ref().and_then(|_| self.folder.lock());
+        let others = self.part.as_ref().and_then(|part| shared::without(self.of_others()?, part));
+        if let Some(others) = others {
+            return save(&self.path, json_text(&Json::from(others)).as_bytes());
+        }
+        match std::fs::remove_file(&self.path) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => Err(Stop::new(
+                Exit::Failed,
+                format!("cannot remove the old report {}: {e}", self.path.display()),
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// The report that stands there, where it is of another part of the same build.
+    fn of_others(&self) -> Option<Map<String, Json>> {
+        let text = std::fs::read(&self.path).ok()?;
+        let report = serde_json::from_slice::<Map<String, Json>>(&text).ok()?;
+        shared::is_same_build(&report, &self.head).then_some(report)
+    }
+
+    pub(super) fn graph_key(&self) -> &str {
+        self.head.get("graph_key").and_then(Json::as_str).unwrap_or_default()
+    }
+
+    /// The files of this build so far.
+    pub(super) fn outputs(&self) -> &[Json] {
+        &self.outputs
     }
 
     pub(super) fn output(&mut self, output: Json) {
@@ -76,8 +122,14 @@ impl Report {
         self.warnings.push(text);
     }
 
-    pub(super) fn failure(&mut self, output: &str, message: &str, exit: Exit) {
-        self.failures.push(json!({ "output": output, "error": message, "exit": exit.code() }));
+    /// An output that failed, on one tile or on all.
+    pub(super) fn failure(&mut self, output: &str, message: &str, exit: Exit, tile: Option<Tile>) {
+        let tiles = match (&self.part, tile) {
+            (Some(part), None) => part.tiles.iter().copied().map(Some).collect(),
+            _ => vec![tile],
+        };
+        let entry = |tile| json!({ "output": output, "error": message, "exit": exit.code(), "tile": tile });
+        self.failures.extend(tiles.into_iter().map(entry));
     }
 
     /// Takes up what an evaluation did; gives what nodes said of their results and did not say before.
@@ -106,7 +158,28 @@ impl Report {
     }
 
     /// Writes the report whole.
-    pub(super) fn write(self) -> Result<(), Stop> {
+    pub(super) fn write(mut self) -> Result<(), Stop> {
+        let whole = [self.head["whole"]["cols"].as_u64(), self.head["whole"]["rows"].as_u64()];
+        let whole = whole.map(|n| n.unwrap_or_default() as usize);
+        let key = self.graph_key().to_owned();
+        let own = self.taken();
+        let _lock = self.part.as_ref().and_then(|_| self.folder.lock());
+        let others = self.part.as_ref().filter(|_| !self.is_printed()).and_then(|_| self.of_others());
+        let mut report = match (others, &self.part) {
+            (Some(others), Some(part)) => shared::merged(others, own, part),
+            _ => own,
+        };
+        let names = files(&report);
+        report.insert("stale".into(), json!(self.folder.stale(&names, &key, whole)));
+        let report = Json::from(report);
+        if self.is_printed() {
+            return print_json(&report).map(|_| ());
+        }
+        save(&self.path, json_text(&report).as_bytes())
+    }
+
+    /// What this build did.
+    fn taken(&mut self) -> Map<String, Json> {
         let nodes = self.nodes.iter().map(|((node, stage), t)| {
             json!({
                 "node": node, "stage": stage, "kind": t.kind, "backend": "cpu", "runs": t.runs, "cached": t.cached,
@@ -114,21 +187,23 @@ impl Report {
             })
         });
         let nodes: Vec<_> = nodes.collect();
-        let mut report = self.head;
-        let done = self.failures.is_empty();
-        report.insert("status".into(), json!(if done { "done" } else { "failed" }));
+        let mut report = self.head.clone();
         report.insert("seconds".into(), json!(self.started.elapsed().as_secs_f64()));
         report.insert("peak_bytes".into(), json!(self.peak_bytes));
         report.insert("planned_bytes".into(), json!(self.planned_bytes));
         report.insert("process_peak_bytes".into(), json!(crate::engine::process_peak()));
-        report.insert("outputs".into(), Json::from(self.outputs));
-        report.insert("warnings".into(), Json::from(self.warnings));
-        report.insert("failures".into(), Json::from(self.failures));
+        report.insert("outputs".into(), Json::from(std::mem::take(&mut self.outputs)));
+        report.insert("warnings".into(), Json::from(std::mem::take(&mut self.warnings)));
+        report.insert("failures".into(), Json::from(std::mem::take(&mut self.failures)));
         report.insert("nodes".into(), Json::from(nodes));
-        let text = format!("{:#}\n", Json::from(report));
-        if self.path == Path::new(STDOUT) {
-            return print(&text).map(|_| ());
-        }
-        save(&self.path, text.as_bytes())
+        shared::settle(&mut report);
+        report
     }
+}
+
+/// The files that a report speaks of.
+fn files(report: &Map<String, Json>) -> BTreeSet<String> {
+    let outputs = report.get("outputs").and_then(Json::as_array).into_iter().flatten();
+    let names = outputs.flat_map(|o| [o["path"].as_str(), o["sidecar"].as_str()]);
+    names.flatten().map(str::to_owned).collect()
 }

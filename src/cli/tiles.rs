@@ -17,8 +17,23 @@ pub(super) struct TileArgs {
     tile: Vec<String>,
 }
 
+impl TileArgs {
+    /// Whether the terrain is cut, be it into one tile.
+    pub(super) fn is_cut(&self) -> bool {
+        self.tiles.is_some() || self.tile_size.is_some()
+    }
+
+    /// Whether only some tiles are built, as by one process a tile.
+    pub(super) fn is_part(&self) -> bool {
+        !self.tile.is_empty()
+    }
+}
+
 /// The tiles to build; one that is the whole window when nothing else was said.
 pub(super) fn tiles(args: &TileArgs, window: &Grid) -> Result<Vec<Tile>, Stop> {
+    if args.is_part() && !args.is_cut() {
+        return Err(Stop::usage("--tile names a tile of a cut; say --tiles NxM or --tile-size N with it"));
+    }
     let steps = [window.cols as u64 - 1, window.rows as u64 - 1];
     let counts = match (&args.tiles, args.tile_size) {
         (Some(text), _) => {
@@ -115,6 +130,7 @@ mod tests {
         assert_eq!(cut(None, Some(257), &[]).unwrap().len(), 16);
         assert_eq!(cut(None, Some(257), &["3,1"]).unwrap()[0].grid.col, 768);
         assert_eq!(cut(None, None, &[]).unwrap().len(), 1);
+        assert!(cut(None, None, &["0,0"]).unwrap_err().contains("--tiles NxM"));
     }
 
     #[test]

@@ -18,6 +18,7 @@ use super::drawing::{Drawing, Pad, Tool};
 use super::ops;
 use super::panels::Tab;
 use crate::graph::{Graph, NodeId, Note, Problem};
+use crate::whole::Changed;
 
 /// What happens after unsaved work was saved or given up.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -330,6 +331,9 @@ impl Editor {
     pub(super) fn save_to(&mut self, ctx: &Context, path: &Path) -> bool {
         let moved = self.document.path() != Some(path);
         if let Err(e) = self.document.save(path) {
+            if Changed::is(&e) && self.changed_on_disk() {
+                return false;
+            }
             self.notices
                 .fail(format!("{} cannot be written: {e}. Nothing is lost: save elsewhere", path.display()));
             return false;
@@ -344,13 +348,23 @@ impl Editor {
         true
     }
 
+    /// Whether saving there would replace a file that is not the document's own.
+    pub(super) fn replaces(&self, path: &Path) -> bool {
+        path.symlink_metadata().is_ok() && self.document.path() != Some(path)
+    }
+
     /// A file was chosen.
     pub(super) fn answered(&mut self, ctx: &Context, purpose: FileFor, path: PathBuf) {
         match purpose {
             FileFor::Open => self.open(ctx, &path),
             FileFor::SaveAs => {
-                let path = if path.extension().is_none() { path.with_extension("graph") } else { path };
-                self.save_to(ctx, &path);
+                let completed = FileFor::SaveAs.completed(path.clone());
+                // Whoever chose a path was asked about that one.
+                if completed != path && self.replaces(&completed) {
+                    self.dialog = Dialog::Path(FileFor::SaveAs, completed.to_string_lossy().into_owned());
+                } else {
+                    self.save_to(ctx, &completed);
+                }
             }
             FileFor::Build => self.build.folder = path.to_string_lossy().into_owned(),
             FileFor::Parameter(ids, name) => {

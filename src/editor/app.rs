@@ -17,12 +17,12 @@ use super::notices::Notices;
 use super::panels::Tab;
 use super::recovery::{Claim, Keeper};
 use super::settings::Settings;
-use super::theme;
 use super::views::map::MapView;
 use super::views::relief::ReliefView;
 use super::views::wipe::Wipe;
 use super::watch::FileWatch;
 use super::wish::Ordered;
+use super::{shown, theme};
 use crate::engine::Options;
 use crate::graph::{Graph, NodeId, Source};
 use crate::nodes::Registry;
@@ -56,6 +56,19 @@ pub(super) enum FileFor {
     Parameter(Vec<NodeId>, String),
     /// The folder of the build.
     Build,
+}
+
+impl FileFor {
+    /// The path that is meant: a graph that is saved has its extension.
+    pub(super) fn completed(&self, path: PathBuf) -> PathBuf {
+        let is_graph = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("graph"));
+        if *self != Self::SaveAs || is_graph || path.file_name().is_none() {
+            return path;
+        }
+        let mut completed = path.into_os_string();
+        completed.push(".graph");
+        completed.into()
+    }
 }
 
 /// The editor.
@@ -296,7 +309,7 @@ impl Editor {
             }
             self.map_pixels = ui.available_size() * ui.pixels_per_point();
             let graph = self.document.graph();
-            let named = |s: Option<Source>| s.map(|s| graph.source_text(s)).unwrap_or_default();
+            let named = |s: Option<Source>| s.map(|s| shown(&graph.source_text(s))).unwrap_or_default();
             self.wipe.names = [named(self.target()), named(self.against())];
             let node = self.canvas.chosen.lone();
             let mut pad = Pad { document: &mut self.document, notices: &mut self.notices, node };
@@ -346,7 +359,7 @@ impl Editor {
 
     fn set_title(&mut self, ctx: &Context) {
         let mark = if self.document.is_unsaved() { "* " } else { "" };
-        let title = format!("{mark}{} — Orograph", self.document.name());
+        let title = format!("{mark}{} — Orograph", shown(&self.document.name()));
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;

@@ -5,11 +5,11 @@ use eframe::egui::{self, Context, Key, Ui};
 use super::actions::After;
 use super::app::{Editor, FileFor};
 use super::command::Command;
-use super::document::Document;
 use super::fuzzy;
 use super::inspector::named_text;
 use super::recovery::Orphan;
-use crate::graph::{Graph, NodeId};
+use crate::editor::shown;
+use crate::graph::NodeId;
 
 /// What is open over the window.
 pub(super) enum Dialog {
@@ -107,9 +107,8 @@ impl Editor {
             if !edit.has_focus() && !edit.lost_focus() {
                 edit.request_focus();
             }
-            let replaces = purpose == FileFor::SaveAs
-                && std::path::Path::new(text.trim()).exists()
-                && self.document.path() != Some(std::path::Path::new(text.trim()));
+            let replaces =
+                purpose == FileFor::SaveAs && self.replaces(&purpose.completed(text.trim().into()));
             if replaces {
                 ui.colored_label(super::theme::WARNING, "There is a file of this name.");
             }
@@ -120,7 +119,8 @@ impl Editor {
             });
         });
         if done && !text.trim().is_empty() {
-            self.answered(ctx, purpose, text.trim().into());
+            let path = purpose.completed(text.trim().into());
+            self.answered(ctx, purpose, path);
             return None;
         }
         (!closed && !cancelled).then_some(Dialog::Path(purpose, text))
@@ -137,7 +137,7 @@ impl Editor {
                     .path
                     .as_ref()
                     .map_or("a graph without a file".to_owned(), |p| p.display().to_string());
-                ui.strong(name);
+                ui.strong(shown(&name));
                 let age = match orphan.when.elapsed().map_or(0, |t| t.as_secs() / 60) {
                     0 => "a moment ago".to_owned(),
                     1 => "a minute ago".to_owned(),
@@ -162,11 +162,14 @@ impl Editor {
             orphans.remove(i).forget();
         }
         if let Some(orphan) = taken.filter(|i| *i < orphans.len()).map(|i| orphans.remove(i)) {
-            match Graph::from_bytes(orphan.graph.as_bytes(), &self.registry) {
-                Ok(graph) => {
-                    self.adopt(ctx, Document::adopted(graph, orphan.path.clone(), "Recovered"));
+            match orphan.document(&self.registry) {
+                Ok(document) => {
+                    self.adopt(ctx, document);
                     self.notices.say("Recovered. Save it to keep it");
-                    orphan.forget();
+                    // Without a keeper it is offered again at the next start.
+                    if let Some(keeper) = &mut self.keeper {
+                        keeper.take(orphan);
+                    }
                 }
                 Err(e) => self.notices.fail(format!("It cannot be read: {e}")),
             }
@@ -179,7 +182,7 @@ impl Editor {
         let mut choice = None;
         let cancelled = modal(ctx, "unsaved", 380.0, |ui| {
             ui.heading("Save the changes?");
-            ui.label(format!("`{}` has changes that are in no file.", self.document.name()));
+            ui.label(format!("`{}` has changes that are in no file.", shown(&self.document.name())));
             ui.add_space(8.0);
             ui.horizontal(|ui| {
                 if ui.button("Save").clicked() {
@@ -326,6 +329,7 @@ impl Finder {
             egui::ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
                 for (i, one) in hits.iter().enumerate() {
                     let (name, more) = text(ui, one);
+                    let name = shown(&name);
                     ui.horizontal(|ui| {
                         if ui.selectable_label(i == self.chosen, name).clicked() {
                             picked = Pick::One(*one);

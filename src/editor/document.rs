@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::history::{History, State};
 use crate::graph::{Graph, LoadError, Problem};
 use crate::nodes::Registry;
+use crate::whole::{self, Known};
 
 /// A graph being edited. Every change goes through [`edit`](Self::edit), so that it can be undone.
 #[derive(Debug)]
@@ -37,9 +38,24 @@ impl Document {
         Ok(document)
     }
 
-    /// A graph that is in no file yet, or not as it is: a preset to start from, or what was recovered.
-    pub fn adopted(graph: Graph, path: Option<PathBuf>, label: &str) -> Self {
-        Self { saved: None, ..Self::of(graph, path, label) }
+    /// A graph that is in no file yet: a preset to start from.
+    pub fn adopted(graph: Graph, label: &str) -> Self {
+        Self { saved: None, ..Self::of(graph, None, label) }
+    }
+
+    /// Work that was kept from a crash. The file it belongs to is ours to write only while it holds what it held then;
+    /// `known` tells, and none is what an older version kept.
+    pub fn recovered(graph: Graph, path: Option<PathBuf>, known: Option<&str>) -> Self {
+        let found = path.as_ref().and_then(|path| std::fs::read(path).ok());
+        let ours = |found: &Vec<u8>| known.is_none_or(|known| known == mark(found));
+        // What is not ours is as if something else had been read.
+        let on_disk = found.map(|found| if ours(&found) { found.into() } else { Arc::from([]) });
+        Self { saved: None, on_disk, ..Self::of(graph, path, "Recovered") }
+    }
+
+    /// What the file held when it was last read or written, in short.
+    pub fn known(&self) -> Option<String> {
+        self.on_disk.as_deref().map(mark)
     }
 
     fn of(graph: Graph, path: Option<PathBuf>, label: &str) -> Self {
@@ -166,10 +182,15 @@ impl Document {
     /// Writes the file, whole or not at all.
     ///
     /// # Errors
-    /// Those of the file system; the document is then as unsaved as before.
+    /// Those of the file system, and [`Changed`](crate::whole::Changed) when the document's own file was changed by
+    /// others since it was read or written; the document is then as unsaved as before.
     pub fn save(&mut self, path: &Path) -> std::io::Result<()> {
         let bytes = self.graph().to_bytes();
-        self.graph().save(path)?;
+        let known = match &self.on_disk {
+            Some(on_disk) if self.path() == Some(path) => Known::Bytes(on_disk),
+            _ => Known::Anything,
+        };
+        whole::save(path, &bytes, known)?;
         self.path = Some(path.to_owned());
         self.saved = Some(self.state());
         self.on_disk = Some(bytes.into());
@@ -202,6 +223,11 @@ impl Document {
         self.on_disk = Some(on_disk.into());
         self.saved = None;
     }
+}
+
+/// What tells one content of a file from another.
+fn mark(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
 }
 
 #[cfg(test)]
@@ -257,5 +283,46 @@ mod tests {
         document.reload(found).expect("a graph");
         assert!(document.graph().find("a").is_none() && !document.is_unsaved());
         assert!(document.undo() && document.graph().find("a").is_some() && document.is_unsaved());
+    }
+
+    #[test]
+    fn does_not_write_over_what_others_wrote() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.graph");
+        let mut document = document();
+        document.edit("Add", |g| g.add("a", "blur")).expect("adds");
+        document.save(&path).expect("saves");
+        std::fs::write(&path, "theirs").expect("writes");
+        document.edit("Add", |g| g.add("b", "blur")).expect("adds");
+        let refused = document.save(&path).expect_err("was changed");
+        assert!(whole::Changed::is(&refused) && document.is_unsaved());
+        assert_eq!(std::fs::read(&path).expect("reads"), b"theirs");
+        // Elsewhere it may go, and here once its user has said so.
+        document.save(&folder.path().join("b.graph")).expect("saves");
+        document.path = Some(path.clone());
+        document.keep_mine(b"theirs".to_vec());
+        document.save(&path).expect("saves");
+        assert_ne!(std::fs::read(&path).expect("reads"), b"theirs");
+    }
+
+    #[test]
+    fn recovered_work_knows_whether_its_file_was_changed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.graph");
+        let mut lost = document();
+        lost.edit("Add", |g| g.add("a", "blur")).expect("adds");
+        lost.save(&path).expect("saves");
+        let known = lost.known();
+        let back = |known: Option<&str>| {
+            let mut back = Document::recovered(lost.graph().clone(), Some(path.clone()), known);
+            assert!(back.is_unsaved());
+            back.save(&path).map_err(|e| whole::Changed::is(&e))
+        };
+        back(known.as_deref()).expect("as it was");
+        back(None).expect("an older version kept no mark");
+        std::fs::write(&path, "theirs").expect("writes");
+        assert_eq!(back(known.as_deref()), Err(true));
+        std::fs::remove_file(&path).expect("removes");
+        back(known.as_deref()).expect("is gone");
     }
 }

@@ -70,11 +70,29 @@ pub fn run(path: Option<PathBuf>) -> Result<(), String> {
         }),
     );
     ran.map_err(|e| {
+        let why = without_sources(&e.to_string());
         format!(
-            "the editor cannot open a window: {e}. It needs a screen and a graphics driver (on a machine without a \
+            "the editor cannot open a window: {why}. It needs a screen and a graphics driver (on a machine without a \
              graphics card, Mesa's software Vulkan serves: `mesa-vulkan-drivers`); the other commands need neither"
         )
     })
+}
+
+/// A message without the places in the source that some libraries put into theirs: `os error at /…/lib.rs:12: …`.
+fn without_sources(message: &str) -> String {
+    let is_place = |word: &&str| {
+        let word = word.trim_end_matches(':');
+        word.rsplit_once(".rs:").is_some_and(|(_, n)| n.bytes().all(|b| b.is_ascii_digit() || b == b':'))
+    };
+    let words: Vec<&str> = message.split_whitespace().collect();
+    let before_place = |i: usize| words[i] == "at" && words.get(i + 1).is_some_and(is_place);
+    let kept = (0..words.len()).filter(|i| !is_place(&words[*i]) && !before_place(*i));
+    kept.map(|i| words[i]).collect::<Vec<_>>().join(" ")
+}
+
+/// A text of the graph, or of a file's name, as a line of the window.
+fn shown(text: &str) -> String {
+    crate::text::printable(text).into_owned()
 }
 
 /// A picture as the window draws it.
@@ -82,4 +100,17 @@ fn image_of(picture: &Picture) -> egui::ImageData {
     let pixels = picture.rgb.iter().map(|c| egui::Color32::from_rgb(c[0], c[1], c[2])).collect();
     let size = [picture.width, picture.height];
     egui::ImageData::Color(Arc::new(egui::ColorImage::new(size, pixels)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_sources;
+
+    #[test]
+    fn messages_lose_the_places_in_the_source() {
+        let message = "winit EventLoopError: os error at /home/x/.cargo/winit-0.30/src/linux/mod.rs:764: neither WAYLAND_DISPLAY nor DISPLAY is set.";
+        let clean = "winit EventLoopError: os error neither WAYLAND_DISPLAY nor DISPLAY is set.";
+        assert_eq!(without_sources(message), clean);
+        assert_eq!(without_sources("look at a.rs for more"), "look at a.rs for more");
+    }
 }

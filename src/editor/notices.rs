@@ -6,6 +6,7 @@ use eframe::egui::{self, Align2, Color32, Context, RichText, vec2};
 
 use super::theme;
 use crate::graph::Problem;
+use crate::text::printable;
 
 /// How long a notice stays.
 const STAY: Duration = Duration::from_secs(8);
@@ -40,6 +41,7 @@ impl Notices {
     }
 
     fn put(&mut self, text: String, color: Color32) {
+        let text = printable(&text).into_owned();
         self.0.retain(|n| n.text != text);
         if self.0.len() >= MOST {
             self.0.remove(0);

@@ -8,7 +8,7 @@ use super::app::{Editor, FileFor};
 use super::canvas::time;
 use super::command::Command;
 use super::inspector::{Panel, graph_panel, name_field, nodes_panel, note_panel, outputs_panel};
-use super::theme;
+use super::{shown, theme};
 use crate::engine::bytes;
 
 /// The pages of the panel at the right.
@@ -102,7 +102,8 @@ impl Editor {
         ui.weak("Recent");
         for path in self.settings.recent.clone() {
             let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-            if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+            let hover = path.display().to_string();
+            if ui.button(shown(&name)).on_hover_text(shown(&hover)).clicked() {
                 ui.close();
                 let ctx = ui.ctx().clone();
                 self.leave(&ctx, super::actions::After::OpenFile(path));
@@ -202,7 +203,7 @@ impl Editor {
         // Half as much again leaves room for what is kept.
         let room = need + need / 2;
         let gibibytes = room as f64 / f64::from(1 << 30);
-        ui.colored_label(theme::ERROR, "over the budget of memory").on_hover_text(why);
+        ui.colored_label(theme::ERROR, "over the budget of memory").on_hover_text(shown(why));
         let ask = ui.button(format!("Allow {gibibytes:.1} GB"));
         if ask.on_hover_text("Evaluates with so much memory, until the editor is closed").clicked() {
             self.options.memory = room;
@@ -269,7 +270,7 @@ impl Editor {
         let (labels, at) = self.document.states();
         let mut go = None;
         for (i, label) in labels.iter().enumerate() {
-            let text = RichText::new(*label);
+            let text = RichText::new(shown(label));
             let text = if i > at { text.weak() } else { text };
             let row = ui.selectable_label(i == at, text);
             if row.clicked() {

@@ -5,16 +5,19 @@
 //! session whose lock is free is over.
 
 use std::fs::{File, OpenOptions};
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 
+use cap_std::ambient_authority;
+use cap_std::fs::Dir;
 use serde::{Deserialize, Serialize};
 
 use super::document::Document;
-use crate::graph::Graph;
+use crate::graph::{Graph, LoadError};
+use crate::nodes::Registry;
+use crate::whole::{self, Known};
 
 /// How long unsaved work waits, at most.
 const EVERY: Duration = Duration::from_secs(3);
@@ -24,6 +27,9 @@ const EVERY: Duration = Duration::from_secs(3);
 struct Kept {
     path: Option<PathBuf>,
     graph: String,
+    /// What the file held, in short.
+    #[serde(default)]
+    known: Option<String>,
 }
 
 /// Keeps the unsaved work of one session.
@@ -36,6 +42,8 @@ pub(crate) struct Keeper {
     kept: Option<u64>,
     last: Instant,
     writing: Option<JoinHandle<std::io::Result<()>>>,
+    /// What was recovered and is not yet kept by this session.
+    taken: Vec<Orphan>,
 }
 
 /// The unsaved work of a session that did not end well.
@@ -45,10 +53,22 @@ pub(crate) struct Orphan {
     pub(crate) path: Option<PathBuf>,
     pub(crate) graph: String,
     pub(crate) when: SystemTime,
+    known: Option<String>,
     files: [PathBuf; 2],
+    /// The lock of the session, held so that no other editor offers the same work.
+    _lock: Arc<File>,
 }
 
 impl Orphan {
+    /// The work as a document.
+    ///
+    /// # Errors
+    /// When it is not a graph.
+    pub(crate) fn document(&self, registry: &Registry) -> Result<Document, LoadError> {
+        let graph = Graph::from_bytes(self.graph.as_bytes(), registry)?;
+        Ok(Document::recovered(graph, self.path.clone(), self.known.as_deref()))
+    }
+
     /// Throws it away.
     pub(crate) fn forget(&self) {
         for file in &self.files {
@@ -72,9 +92,16 @@ impl Keeper {
         std::fs::create_dir_all(&folder)?;
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         let id = format!("{}-{}", std::process::id(), now.as_nanos());
-        let lock = File::create(folder.join(format!("{id}.lock")))?;
-        lock.lock()?;
-        Ok(Self { folder, id, _lock: lock, kept: None, last: Instant::now(), writing: None })
+        let lock = whole::locked(&folder.join(format!("{id}.lock")))?;
+        let (last, taken) = (Instant::now(), Vec::new());
+        Ok(Self { folder, id, _lock: lock, kept: None, last, writing: None, taken })
+    }
+
+    /// Takes over recovered work: what the other session left goes once this one has kept the same, which it does
+    /// next.
+    pub(crate) fn take(&mut self, orphan: Orphan) {
+        self.taken.push(orphan);
+        self.kept = None;
     }
 
     fn file(&self, extension: &str) -> PathBuf {
@@ -91,6 +118,8 @@ impl Keeper {
             writing.join().unwrap_or_else(|_| failed())?;
         }
         if !document.is_unsaved() {
+            // It was saved, or given up.
+            self.taken.drain(..).for_each(|orphan| orphan.forget());
             if self.kept.take().is_some() {
                 // It may not be there any more.
                 let _ = std::fs::remove_file(self.file("json"));
@@ -98,22 +127,30 @@ impl Keeper {
             return Ok(None);
         }
         if self.kept == Some(document.state()) || self.writing.is_some() {
-            return Ok(None);
+            let soon = Duration::from_millis(100);
+            return Ok((!self.taken.is_empty()).then_some(soon));
         }
         let wait = EVERY.saturating_sub(self.last.elapsed());
-        if !wait.is_zero() {
+        if !wait.is_zero() && self.taken.is_empty() {
             return Ok(Some(wait));
         }
         self.last = Instant::now();
         self.kept = Some(document.state());
         let (graph, path) = (document.shared(), document.path().map(Path::to_owned));
-        let (folder, to) = (self.folder.clone(), self.file("json"));
-        self.writing = Some(std::thread::spawn(move || write(&graph, path, &folder, &to)));
+        let (known, to, taken) = (document.known(), self.file("json"), std::mem::take(&mut self.taken));
+        self.writing = Some(std::thread::spawn(move || {
+            write(&graph, path, known, &to)?;
+            taken.iter().for_each(Orphan::forget);
+            Ok(())
+        }));
         Ok(None)
     }
 
     /// The sessions that are over and left unsaved work.
     pub(crate) fn orphans(&self) -> Vec<Orphan> {
+        if let Ok(dir) = Dir::open_ambient_dir(&self.folder, ambient_authority()) {
+            whole::sweep(&dir, |_| true);
+        }
         let Ok(entries) = std::fs::read_dir(&self.folder) else { return Vec::new() };
         let mut found = Vec::new();
         for path in entries.flatten().map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "lock"))
@@ -126,7 +163,7 @@ impl Keeper {
                 continue;
             }
             let kept = path.with_extension("json");
-            match orphan(&kept, &path) {
+            match orphan(&kept, &path, lock) {
                 Some(orphan) => found.push(orphan),
                 // A session that ended with nothing unsaved and could not clear up.
                 None if !kept.exists() => _ = std::fs::remove_file(&path),
@@ -148,20 +185,16 @@ impl Drop for Keeper {
     }
 }
 
-fn write(graph: &Arc<Graph>, path: Option<PathBuf>, folder: &Path, to: &Path) -> std::io::Result<()> {
+fn write(graph: &Graph, path: Option<PathBuf>, known: Option<String>, to: &Path) -> std::io::Result<()> {
     let graph = String::from_utf8_lossy(&graph.to_bytes()).into_owned();
-    let text = serde_json::to_vec(&Kept { path, graph })?;
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(&text)?;
-    file.as_file().sync_all()?;
-    file.persist(to).map_err(|e| e.error)?;
-    Ok(())
+    whole::save(to, &serde_json::to_vec(&Kept { path, graph, known })?, Known::Anything)
 }
 
-fn orphan(kept: &Path, lock: &Path) -> Option<Orphan> {
+fn orphan(kept: &Path, path: &Path, lock: File) -> Option<Orphan> {
     let when = kept.metadata().ok()?.modified().ok()?;
-    let Kept { path, graph } = serde_json::from_slice(&std::fs::read(kept).ok()?).ok()?;
-    Some(Orphan { path, graph, when, files: [kept.to_owned(), lock.to_owned()] })
+    let files = [kept.to_owned(), path.to_owned()];
+    let Kept { path, graph, known } = serde_json::from_slice(&std::fs::read(kept).ok()?).ok()?;
+    Some(Orphan { path, graph, when, known, files, _lock: Arc::new(lock) })
 }
 
 /// A lock on a graph file, by which a second editor sees the first.
@@ -230,6 +263,47 @@ mod tests {
         assert_eq!(graph.to_bytes(), document.graph().to_bytes());
         orphans[0].forget();
         assert!(next.orphans().is_empty());
+    }
+
+    #[test]
+    fn recovered_work_is_kept_before_what_was_left_goes() {
+        let home = tempfile::tempdir().expect("a folder");
+        let mut lost = Keeper::start(home.path()).expect("starts");
+        keep_now(&mut lost, &unsaved());
+        lost._lock.unlock().expect("unlocks");
+        let left = lost.file("json");
+        std::mem::forget(lost);
+        let mut next = Keeper::start(home.path()).expect("starts");
+        let orphan = next.orphans().remove(0);
+        let document = orphan.document(&Registry::standard()).expect("a graph");
+        assert!(Keeper::start(home.path()).expect("starts").orphans().is_empty(), "it is being offered");
+        next.take(orphan);
+        assert!(left.exists() && !next.file("json").exists());
+        // At once, not after the usual wait.
+        assert_eq!(next.keep(&document).expect("starts"), None);
+        next.writing.take().expect("writes").join().expect("ends").expect("writes");
+        assert!(!left.exists() && next.file("json").exists());
+        let again: Kept =
+            serde_json::from_slice(&std::fs::read(next.file("json")).expect("reads")).expect("JSON");
+        assert_eq!(again.graph.as_bytes(), document.graph().to_bytes());
+    }
+
+    #[test]
+    fn recovered_work_that_cannot_be_kept_is_offered_again() {
+        let home = tempfile::tempdir().expect("a folder");
+        let mut lost = Keeper::start(home.path()).expect("starts");
+        keep_now(&mut lost, &unsaved());
+        lost._lock.unlock().expect("unlocks");
+        std::mem::forget(lost);
+        let mut next = Keeper::start(home.path()).expect("starts");
+        let orphan = next.orphans().remove(0);
+        let document = orphan.document(&Registry::standard()).expect("a graph");
+        // No file can be written where a folder stands.
+        std::fs::create_dir(next.file("json")).expect("makes");
+        next.take(orphan);
+        next.keep(&document).expect("starts");
+        next.writing.take().expect("writes").join().expect("ends").expect_err("fails");
+        assert_eq!(next.orphans().len(), 1);
     }
 
     #[test]

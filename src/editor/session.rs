@@ -99,13 +99,20 @@ impl Editor {
         if self.dialog.is_modal() || !self.watch.as_ref().is_some_and(FileWatch::take) {
             return;
         }
-        let Some(bytes) = self.document.foreign_change() else { return };
+        if self.changed_on_disk() {
+            ctx.request_repaint();
+        }
+    }
+
+    /// Takes over what somebody else wrote to the file, or asks where there is unsaved work; false where nobody did.
+    pub(super) fn changed_on_disk(&mut self) -> bool {
+        let Some(bytes) = self.document.foreign_change() else { return false };
         if self.document.is_unsaved() {
             self.dialog = Dialog::Changed(bytes);
         } else {
             self.reload(bytes);
         }
-        ctx.request_repaint();
+        true
     }
 
     pub(super) fn reload(&mut self, bytes: Vec<u8>) {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::shade::Look;
+use crate::whole::{self, Known};
 
 /// Most files that are remembered.
 const RECENT: usize = 12;
@@ -51,10 +52,7 @@ impl Settings {
     /// Those of the file system.
     pub(crate) fn write(&self, home: &Path) -> std::io::Result<()> {
         std::fs::create_dir_all(home)?;
-        let file = tempfile::NamedTempFile::new_in(home)?;
-        serde_json::to_writer_pretty(&file, self)?;
-        file.persist(home.join("settings.json")).map_err(|e| e.error)?;
-        Ok(())
+        whole::save(&home.join("settings.json"), &serde_json::to_vec_pretty(self)?, Known::Anything)
     }
 
     /// Remembers a file as the last that was open.

@@ -136,7 +136,7 @@ pub(crate) fn picture(
     };
     let ramp = Ramp::of(ramp, Blend::Smooth);
     let lit = relief && is_height;
-    let sea = terrain.sea_level as f32;
+    let sea = terrain.sea_level.map_or(f32::NEG_INFINITY, |level| level as f32);
     let lines = look.contours.then(|| Lines { step: contour_step(low, high) });
     let pixel = |i: usize, j: usize| {
         let z = field.row(j)[i];

@@ -7,6 +7,7 @@ use super::command::Command;
 use super::drawing::Tool;
 use super::drawing::sheet::Sheet;
 use super::shade::Mode;
+use crate::editor::shown;
 use crate::graph::{Graph, Source};
 use crate::value::WireType;
 
@@ -76,7 +77,7 @@ impl Editor {
     fn colours(&mut self, ui: &mut Ui) {
         let graph = self.document.graph();
         let drape = self.drape.filter(|s| graph.wire_type(*s).is_some());
-        let text = drape.map_or("own colours".to_owned(), |s| graph.source_text(s));
+        let text = drape.map_or("own colours".to_owned(), |s| shown(&graph.source_text(s)));
         let mut picked = drape;
         let combo = ComboBox::from_id_salt("drape").selected_text(text).show_ui(ui, |ui| {
             ui.selectable_value(&mut picked, None, "own colours");
@@ -138,6 +139,7 @@ impl Editor {
             self.pinned = pinned.then_some(source.node);
         }
         // Of one width, so that the rest of the bar stays where it is.
+        let name = shown(&name);
         let label = egui::Label::new(egui::RichText::new(&name).strong()).truncate();
         ui.add_sized([110.0, ui.spacing().interact_size.y], label).on_hover_text(&name);
         if outputs.len() > 1 {

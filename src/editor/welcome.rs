@@ -68,7 +68,7 @@ impl Editor {
         });
         if let Some(preset) = chosen {
             if let Ok(graph) = Graph::from_bytes(preset.graph, &self.registry) {
-                self.adopt(ctx, Document::adopted(graph, None, "Preset"));
+                self.adopt(ctx, Document::adopted(graph, "Preset"));
             }
         } else if stays && !closed {
             return Some(Dialog::Welcome);

@@ -11,6 +11,7 @@ use cap_std::fs::{Dir, OpenOptions};
 use super::sources::{Hashes, Sources};
 use crate::node::{Error, FileRequest};
 use crate::source::Shelf;
+use crate::whole::is_device;
 
 /// Largest file that is read, in bytes.
 const MAX_BYTES: u64 = 16 << 30;
@@ -206,16 +207,6 @@ fn nonblocking(options: &mut OpenOptions) {
 #[cfg(not(unix))]
 fn nonblocking(_: &mut OpenOptions) {}
 
-/// Whether Windows takes a file name for a device, whatever its extension.
-pub fn is_device(name: &str) -> bool {
-    let stem = name.split('.').next().unwrap_or_default().trim_end().to_ascii_lowercase();
-    let numbered = |prefix: &str| {
-        let rest = stem.strip_prefix(prefix);
-        rest.is_some_and(|n| n.len() == 1 && n.as_bytes()[0].is_ascii_digit() && n != "0")
-    };
-    matches!(stem.as_str(), "con" | "prn" | "aux" | "nul") || numbered("com") || numbered("lpt")
-}
-
 /// Why a file was not read.
 #[derive(Clone, Debug, thiserror::Error)]
 pub(super) enum Refusal {
@@ -247,21 +238,6 @@ impl From<std::io::Error> for Refusal {
             // cap-std says "a path led outside of the filesystem" for links that lead out of the handle.
             std::io::ErrorKind::PermissionDenied if e.to_string().contains("outside") => Self::Outside,
             _ => Self::Unreadable(e.to_string()),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn knows_devices_whatever_their_extension() {
-        for name in ["CON", "con.tif", "Lpt1", "aux.", "nul.png", "com9.asc"] {
-            assert!(is_device(name), "{name}");
-        }
-        for name in ["cone", "com", "com10", "lpt0", "console.tif", "auxiliary"] {
-            assert!(!is_device(name), "{name}");
         }
     }
 }

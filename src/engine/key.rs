@@ -105,7 +105,11 @@ impl Parts<'_> {
         if reads.has(Reads::TERRAIN) {
             h.part(b"terrain");
             let b = terrain.bounds();
-            [b.min[0], b.min[1], b.max[0], b.max[1], terrain.sea_level].into_iter().for_each(|v| h.number(v));
+            [b.min[0], b.min[1], b.max[0], b.max[1]].into_iter().for_each(|v| h.number(v));
+            match terrain.sea_level {
+                Some(level) => h.number(level),
+                None => h.part(b"dry"),
+            }
             if let Some(geo) = terrain.geo {
                 h.integer(i64::from(geo.epsg));
                 h.number(geo.east);

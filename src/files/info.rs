@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::error::ReadError;
 use super::height::{HeightFile, Limits, read_height};
 use super::place::{Anchor, Units};
+use crate::text::printable;
 
 /// What `orograph info FILE` tells.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -116,7 +117,7 @@ impl Info {
 impl fmt::Display for Info {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { file, format, sample, cols, rows, .. } = self;
-        writeln!(f, "{file}: {format}, {cols} x {rows} samples of {sample}")?;
+        writeln!(f, "{}: {format}, {cols} x {rows} samples of {sample}", printable(file))?;
         let unit = if self.metres { " m" } else { " (plain numbers: give a scale to make metres of them)" };
         match self.range {
             Some([lo, hi]) => writeln!(f, "  heights   {lo} to {hi}{unit}")?,
@@ -145,6 +146,6 @@ impl fmt::Display for Info {
                 if self.anchor == "point" { "a point" } else { "an area" }
             )?;
         }
-        self.notes.iter().try_for_each(|note| writeln!(f, "  note      {note}"))
+        self.notes.iter().try_for_each(|note| writeln!(f, "  note      {}", printable(note)))
     }
 }

@@ -2,8 +2,7 @@
 //!
 //! [`Codec`] is the table of formats, a row each: how files are recognised, read and written. [`Input`] is a file with
 //! what lies beside it; [`read_height`] turns its bytes into heights and the place where they lie; [`encode`] turns a value of a graph into a file, and [`encode_file`] a file that was read
-//! into another format. Nothing here opens a path: bytes come in, and [`write_atomic`] writes whole files or none
-//! into a folder that the caller opened.
+//! into another format. Nothing here opens a path: bytes come in, and [`whole`](crate::whole) writes the files.
 //!
 //! Every reader checks what a header claims against [`Limits`] and against the length of the file before it takes
 //! memory. Heights are `f32`; a void is NaN until [`fill_voids`] closes it.
@@ -14,7 +13,6 @@
 
 mod apart;
 mod asc;
-mod atomic;
 mod bands;
 mod codec;
 mod error;
@@ -38,7 +36,6 @@ mod watch;
 mod write;
 
 pub use apart::apart;
-pub use atomic::{Stamp, passing_name_of, write_atomic};
 pub use codec::{Codec, Form, Format};
 pub use error::{Fault, ReadError, WriteError};
 pub use height::{Encoding, HeightFile, Limits, Origin, claimed_size, read_height, read_height_as};

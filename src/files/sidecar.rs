@@ -61,6 +61,9 @@ pub struct Sidecar {
     /// Which tile it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tile: Option<super::write::Tile>,
+    /// The hash of the graph that the file was built of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub graph_key: Option<String>,
 }
 
 /// A side of a terrain.

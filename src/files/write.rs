@@ -64,6 +64,8 @@ pub struct WriteJob<'a> {
     pub whole: Grid,
     /// Which tile it is, in a build of tiles.
     pub tile: Option<Tile>,
+    /// The hash of the graph, for the sidecar.
+    pub graph_key: Option<&'a str>,
     /// How it is written.
     pub writing: Writing<'a>,
 }
@@ -71,7 +73,7 @@ pub struct WriteJob<'a> {
 impl<'a> WriteJob<'a> {
     /// A job that is no tile.
     pub fn new(value: &'a Value, writing: impl Into<Writing<'a>>, terrain: &'a Terrain, whole: Grid) -> Self {
-        Self { value, terrain, whole, tile: None, writing: writing.into() }
+        Self { value, terrain, whole, tile: None, graph_key: None, writing: writing.into() }
     }
 }
 
@@ -121,10 +123,11 @@ pub fn encode(job: &WriteJob<'_>, out: &mut dyn Sink) -> Result<Written, WriteEr
     let window = Window { col: grid.col, row: grid.row, whole_cols: whole.cols, whole_rows: whole.rows };
     let sidecar = Sidecar {
         position: Some([x, y]),
-        sea_level: Some(terrain.sea_level),
+        sea_level: terrain.sea_level,
         geo,
         grid: Some(window),
         tile: job.tile,
+        graph_key: job.graph_key.map(str::to_owned),
         ..Sidecar::default()
     };
     Sheet {

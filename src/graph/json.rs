@@ -7,6 +7,7 @@ use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess,
 use serde_json::{Map, Number, Value as Json};
 
 use super::LoadError;
+use crate::text::whole;
 
 /// Most bytes of a key.
 const MAX_KEY: usize = 256;
@@ -14,8 +15,6 @@ const MAX_KEY: usize = 256;
 const MAX_TEXT: usize = 1 << 16;
 /// Most values of all kinds; each takes up to 72 bytes in memory and as little as two in the file.
 const MAX_VALUES: usize = 1_000_000;
-/// Whole floats up to here print as integers and come back exactly.
-pub(super) const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// Reads a text. Whole numbers become integers however they are written: JSON knows one kind of number.
 ///
@@ -43,11 +42,6 @@ pub(super) fn tidy(json: &mut Json) {
         Json::Object(map) => map.values_mut().for_each(tidy),
         _ => (),
     }
-}
-
-/// The integer that a float stands for.
-pub(super) fn whole(value: f64) -> Option<i64> {
-    (value == value.trunc() && value.abs() < MAX_EXACT).then_some(value as i64)
 }
 
 /// Whether two values are the same, however their numbers are spelt.

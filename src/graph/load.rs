@@ -9,10 +9,10 @@ use super::canvas::Note;
 use super::migrate::{self, FORMAT_STEPS, FormatStep};
 use super::parts::{About, Exposed, GraphNode, KindRef, NodeKeys, Output, Part};
 use super::problem::{Hints, Place, Problem};
-use super::write::brief;
 use super::{Graph, json};
 use crate::node::{Kind, Migration};
 use crate::nodes::Registry;
+use crate::text::brief;
 
 /// Largest file, in bytes.
 pub const MAX_FILE: u64 = 16 << 20;

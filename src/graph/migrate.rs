@@ -21,7 +21,7 @@ pub(super) fn upgrade(file: &mut Map<String, Json>, steps: &[FormatStep]) -> Res
     let Some(written) = file.get("orograph") else { return Err(LoadError::NotAGraph) };
     let version = match written.as_u64() {
         Some(version) if version >= 1 => version,
-        _ => return Err(LoadError::BadVersion { found: super::write::brief(written), current }),
+        _ => return Err(LoadError::BadVersion { found: crate::text::brief(written), current }),
     };
     if version > current {
         return Err(LoadError::NewerVersion { found: version, current });

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::NodeId;
 use crate::params::did_you_mean;
+use crate::text::printable;
 
 /// How bad a [`Problem`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -75,9 +76,10 @@ impl fmt::Display for Place {
 
 /// Something wrong or doubtful in a graph, or the reason why an edit was refused.
 ///
-/// Prints as place and message: "node `hills`, parameter `octaves`: must be a whole number from 1 to 16, got 99".
+/// Prints as place and message on one line, whatever texts they quote: "node `hills`, parameter `octaves`: must be a
+/// whole number from 1 to 16, got 99".
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {message}")]
+#[error("{}", printable(&format!("{place}: {message}")))]
 pub struct Problem {
     /// How bad it is.
     pub severity: Severity,

@@ -26,9 +26,9 @@ pub(super) struct Settings {
     /// North-south extent.
     #[schemars(range(min = 1.0, max = MAX_EXTENT), extend("x-unit" = "m"))]
     depth: f64,
-    /// Height of the water.
+    /// Height of the water; null where the land is dry however low it lies.
     #[schemars(range(min = -1.0e5, max = 1.0e5), extend("x-unit" = "m"))]
-    sea_level: f64,
+    sea_level: Option<f64>,
     /// Seed of the whole graph; every random choice mixes it in.
     #[schemars(range(min = 0, max = 4_294_967_295_u32), extend("x-unit" = "1", "x-widget" = "seed"))]
     seed: u32,
@@ -93,7 +93,7 @@ fn read(settings: &Map<String, Json>) -> Terrain {
             "origin" => terrain.origin = serde_json::from_value(value.clone()).unwrap_or_default(),
             "width" => terrain.width = number(),
             "depth" => terrain.depth = number(),
-            "sea_level" => terrain.sea_level = number(),
+            "sea_level" => terrain.sea_level = value.as_f64(),
             "seed" => terrain.seed = whole(),
             "base" => terrain.base = whole(),
             _ => terrain.geo = serde_json::from_value::<Option<Geo>>(value.clone()).unwrap_or_default(),

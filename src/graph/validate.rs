@@ -7,10 +7,11 @@ use serde_json::{Map, Value as Json};
 use super::canvas::Note;
 use super::parts::{About, Exposed, GraphNode, KindRef, NodeKeys, Output, Part, faults};
 use super::problem::{Hints, Place, Problem, Severity, listed};
-use super::write::brief;
 use super::{Graph, NodeId, Source, settings};
 use crate::node::{Error, Kind, Reads};
+use crate::text::brief;
 use crate::value::WireType;
+use crate::whole::is_device;
 
 /// Longest name of a node, an output or an exposed parameter.
 const MAX_NAME: usize = 64;
@@ -18,9 +19,6 @@ const MAX_NAME: usize = 64;
 const RESERVED: [&str; 2] = ["inputs", "graphs"];
 /// Prefixes of kinds that later versions will know: graphs as nodes.
 const RESERVED_KINDS: [&str; 2] = ["graph:", "file:"];
-/// Names that Windows keeps for devices, with or without an extension; some are followed by a digit.
-const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
-const NUMBERED_DEVICES: [&str; 2] = ["com", "lpt"];
 
 /// What is wrong with the name of an exposed parameter.
 pub(super) fn name_fault(name: &str) -> Option<String> {
@@ -37,11 +35,8 @@ pub(super) fn node_name_fault(name: &str) -> Option<String> {
 
 /// What is wrong with the name of an output, which becomes that of a file.
 pub(super) fn output_name_fault(name: &str) -> Option<String> {
-    let numbered = name.len() == 4
-        && name.ends_with(|c: char| c.is_ascii_digit())
-        && NUMBERED_DEVICES.contains(&name.get(..3).unwrap_or(""));
-    let device = DEVICES.contains(&name) || numbered;
-    name_fault(name).or_else(|| device.then(|| "has a name that Windows keeps for a device".to_owned()))
+    let device = || "has a name that Windows keeps for a device".to_owned();
+    name_fault(name).or_else(|| is_device(name).then(device))
 }
 
 impl Graph {

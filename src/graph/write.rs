@@ -1,13 +1,15 @@
 //! Writing: the canonical form, which diffs and merges line by line, and the atomic save.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write as _};
+use std::io;
 use std::path::Path;
 
 use serde_json::{Map, Value as Json};
 
 use super::parts::{NodeKeys, Part};
 use super::{FORMAT, Graph, KindRef, NodeId, settings};
+use crate::text::inline;
+use crate::whole::{self, Known};
 
 /// Longest line that an object or a list of lists is put on; lists of numbers are never broken.
 const COLUMNS: usize = 110;
@@ -37,12 +39,12 @@ impl Graph {
         out.into_bytes()
     }
 
-    /// Writes the file whole or not at all; to a temporary file in the same folder, to the disk, then over the old.
+    /// Writes the file whole or not at all, whatever is there.
     ///
     /// # Errors
     /// Those of the file system; the old file is then as it was.
     pub fn save(&self, path: &Path) -> io::Result<()> {
-        save_bytes(path, &self.to_bytes())
+        whole::save(path, &self.to_bytes(), Known::Anything)
     }
 
     fn document(&self) -> Map<String, Json> {
@@ -120,32 +122,6 @@ impl Graph {
     }
 }
 
-/// Writes a file whole or not at all. The old file's permissions stay; a link stays, and what it points to is
-/// replaced.
-fn save_bytes(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let old = target.metadata();
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".orograph-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        // What a new file gets: the user's umask applies.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    if let Ok(old) = old {
-        file.as_file().set_permissions(old.permissions())?;
-    }
-    file.as_file().sync_all()?;
-    file.persist(&target).map_err(|e| e.error)?;
-    #[cfg(unix)]
-    std::fs::File::open(folder)?.sync_all()?;
-    Ok(())
-}
-
 /// Writes a value that starts at a column; an open object is broken however short it is.
 fn put(out: &mut String, value: &Json, indent: usize, column: usize, open: bool) {
     let is_list_of_numbers = |v: &Json| v.as_array().is_some_and(|a| a.iter().all(Json::is_number));
@@ -190,49 +166,6 @@ fn put(out: &mut String, value: &Json, indent: usize, column: usize, open: bool)
     out.push(if value.is_object() { '}' } else { ']' });
 }
 
-/// Writes a value on one line; gives up when the text gets longer than `end` bytes.
-fn inline(out: &mut String, value: &Json, end: usize) -> bool {
-    match value {
-        Json::Object(map) if map.is_empty() => out.push_str("{}"),
-        Json::Object(map) => {
-            for (i, (key, value)) in map.iter().enumerate() {
-                out.push_str(if i == 0 { "{ " } else { ", " });
-                out.push_str(&text(key));
-                out.push_str(": ");
-                if !inline(out, value, end) {
-                    return false;
-                }
-            }
-            out.push_str(" }");
-        }
-        Json::Array(items) => {
-            out.push('[');
-            for (i, item) in items.iter().enumerate() {
-                out.push_str(if i == 0 { "" } else { ", " });
-                if !inline(out, item, end) {
-                    return false;
-                }
-            }
-            out.push(']');
-        }
-        Json::Number(number) => {
-            let whole = number.as_f64().filter(|_| number.is_f64()).and_then(super::json::whole);
-            out.push_str(&whole.map_or_else(|| number.to_string(), |n| n.to_string()));
-        }
-        other => out.push_str(&other.to_string()),
-    }
-    out.len() <= end
-}
-
 fn text(text: &str) -> String {
     Json::from(text).to_string()
-}
-
-/// A value short enough for a message.
-pub(super) fn brief(value: &Json) -> String {
-    let mut text = String::new();
-    if inline(&mut text, value, 60) {
-        return text;
-    }
-    text.chars().take(57).chain("...".chars()).collect()
 }

@@ -65,6 +65,17 @@ impl Level {
         })
     }
 
+    /// What `OROGRAPH_SIMD` says and this machine does not know, with the names that it does.
+    pub fn unknown() -> Option<String> {
+        let wanted = std::env::var_os("OROGRAPH_SIMD").filter(|w| !w.is_empty())?;
+        let names: Vec<_> = Self::available().into_iter().map(Self::name).collect();
+        let known = names.iter().any(|name| wanted == **name);
+        (!known).then(|| {
+            let (wanted, names) = (wanted.to_string_lossy(), names.join(", "));
+            format!("OROGRAPH_SIMD must be one of {names} on this machine, got `{wanted}`; it is ignored")
+        })
+    }
+
     /// The name for reports and for `OROGRAPH_SIMD`.
     pub fn name(self) -> &'static str {
         match self.0 {

@@ -159,6 +159,13 @@ impl Kind {
         self.schema()["description"].as_str().unwrap_or_default().replace("\\[", "[").replace("\\]", "]")
     }
 
+    /// The first sentence of the manual page, which stands alone.
+    pub fn summary(&self) -> String {
+        let doc = self.doc();
+        let first: Vec<&str> = doc.lines().take_while(|l| !l.trim().is_empty()).collect();
+        first.join(" ")
+    }
+
     /// The parameters as data, read from the schema once.
     pub fn params(&self) -> &[Param] {
         self.params.get_or_init(|| params::of_schema(&self.schema(), &(self.defaults)()))

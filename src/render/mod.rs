@@ -153,6 +153,7 @@ impl<'a> Scene<'a> {
                 return Err(Error::Input { port: "color", message });
             }
         }
+        within("cell", grid.cell(), 1e-9, 1e9)?;
         within("sun azimuth", self.sun.azimuth, -360.0, 720.0)?;
         within("sun altitude", self.sun.altitude, 1.0, 90.0)?;
         within("exaggeration", self.exaggeration, 0.01, 1000.0)?;

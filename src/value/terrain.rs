@@ -23,8 +23,8 @@ pub struct Terrain {
     pub width: f64,
     /// North-south extent, in metres.
     pub depth: f64,
-    /// Height of the water, in metres.
-    pub sea_level: f64,
+    /// Height of the water, in metres; none where the land is dry however low it lies.
+    pub sea_level: Option<f64>,
     /// Seed of the whole graph; every random choice mixes it in.
     pub seed: u32,
     /// Samples along the longer side of the base grid.
@@ -49,7 +49,7 @@ pub struct Geo {
 impl Default for Terrain {
     fn default() -> Self {
         let (width, depth) = (8192.0, 8192.0);
-        Self { origin: [0.0, 0.0], width, depth, sea_level: 0.0, seed: 1, base: 1025, geo: None }
+        Self { origin: [0.0, 0.0], width, depth, sea_level: Some(0.0), seed: 1, base: 1025, geo: None }
     }
 }
 
@@ -76,8 +76,8 @@ impl Terrain {
         if self.origin.iter().any(|v| !v.is_finite() || v.abs() > 1e8) {
             return Some(("origin", format!("must lie within 1e8 m of zero, got {:?}", self.origin)));
         }
-        if !self.sea_level.is_finite() || self.sea_level.abs() > 1e5 {
-            return Some(("sea_level", format!("must be from -1e5 to 1e5 m, got {}", self.sea_level)));
+        if let Some(level) = self.sea_level.filter(|v| !v.is_finite() || v.abs() > 1e5) {
+            return Some(("sea_level", format!("must be from -1e5 to 1e5 m, got {level}")));
         }
         if self.geo.is_some_and(|g| !g.east.is_finite() || !g.north.is_finite()) {
             return Some(("geo", "needs finite coordinates".into()));

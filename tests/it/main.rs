@@ -9,6 +9,7 @@ mod diffusion;
 #[cfg(feature = "editor")]
 mod editor;
 mod engine;
+mod farm;
 mod fed;
 mod files;
 mod filters;
@@ -22,3 +23,4 @@ mod plans;
 mod render;
 mod select;
 mod sources;
+mod strangers;

@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use eframe::egui::{self, Context, ProgressBar, RichText, ScrollArea, Ui};
 
 use crate::editor::canvas::time;
+use crate::editor::shown;
 use crate::editor::theme;
 
 /// A build that was started.
@@ -80,7 +81,7 @@ impl Running {
         }
         match self.ended {
             None => _ = ui.horizontal(|ui| (ui.spinner(), ui.label("Building"))),
-            Some(true) => _ = ui.label(RichText::new(format!("Done: see {folder}")).strong()),
+            Some(true) => _ = ui.label(RichText::new(format!("Done: see {}", shown(folder))).strong()),
             Some(false) => _ = ui.colored_label(theme::ERROR, "The build did not end well."),
         }
         let news = self.news.lock().unwrap_or_else(PoisonError::into_inner);
@@ -89,7 +90,7 @@ impl Running {
         let lines = ScrollArea::vertical().id_salt("lines").max_height(120.0).stick_to_bottom(true);
         lines.show(ui, |ui| {
             for line in &news.lines {
-                ui.add(egui::Label::new(RichText::new(line).small()).wrap());
+                ui.add(egui::Label::new(RichText::new(shown(line)).small()).wrap());
             }
         });
         drop(news);
@@ -100,7 +101,7 @@ impl Running {
 impl Node {
     fn show(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
-            ui.add_sized([150.0, 16.0], egui::Label::new(&self.name).truncate());
+            ui.add_sized([150.0, 16.0], egui::Label::new(shown(&self.name)).truncate());
             let text = if self.running > 0 { String::new() } else { time(self.seconds) };
             ui.add(ProgressBar::new(self.share).desired_width(260.0).desired_height(14.0).text(text));
         });
@@ -115,8 +116,12 @@ impl News {
             self.lines.push(line);
             return;
         };
-        let name = event["node"].as_str().unwrap_or_default();
-        let node = self.node(name);
+        let text = |key: &str| event[key].as_str().unwrap_or_default();
+        if event["event"] == "news" {
+            self.lines.push(text("text").to_owned());
+            return;
+        }
+        let node = self.node(text("node"));
         match event["event"].as_str() {
             Some("started") => (node.running, node.share) = (node.running + 1, 0.0),
             Some("progress") => node.share = event["share"].as_f64().unwrap_or(0.0) as f32,
@@ -152,12 +157,13 @@ mod tests {
             r#"{ "event": "finished", "node": "hills", "seconds": 1.5 }"#,
             r#"{ "event": "started", "node": "hills" }"#,
             r#"{ "event": "finished", "node": "hills", "seconds": 0.5 }"#,
-            "wrote height.exr",
+            "warning: x",
+            r#"{ "event": "news", "text": "wrote height.exr" }"#,
         ] {
             news.hear(line.to_owned());
         }
         let told: Vec<_> = news.nodes.iter().map(|n| (&*n.name, n.share, n.seconds, n.running)).collect();
         assert_eq!(told, [("hills", 1.0, 2.0, 0), ("soft", 0.5, 0.0, 1)]);
-        assert_eq!(news.lines, ["wrote height.exr"]);
+        assert_eq!(news.lines, ["warning: x", "wrote height.exr"]);
     }
 }

@@ -6,8 +6,9 @@ use super::camera::View;
 use super::gesture::Gesture;
 use super::layout::{Layout, NOTE_HEAD, note_rect};
 use super::{Canvas, Chosen, Desk};
-use crate::editor::theme;
+use crate::editor::{shown, theme};
 use crate::graph::Note;
+use crate::text::printable_lines;
 
 impl Canvas {
     pub(super) fn notes(&mut self, ui: &mut Ui, view: &View, desk: &mut Desk<'_>) {
@@ -87,8 +88,8 @@ fn paint(ui: &Ui, view: &View, rect: Rect, note: &Note, chosen: bool) {
     };
     let pad = 7.0 * zoom;
     let width = on_screen.width() - 2.0 * pad;
-    text(title.left_center() + vec2(pad, -8.0 * zoom), 13.5, &note.title, f32::INFINITY, true);
-    text(title.left_bottom() + vec2(pad, pad), 12.0, &note.text, width, false);
+    text(title.left_center() + vec2(pad, -8.0 * zoom), 13.5, &shown(&note.title), f32::INFINITY, true);
+    text(title.left_bottom() + vec2(pad, pad), 12.0, &printable_lines(&note.text), width, false);
     let grip = view.pos(rect.max) - vec2(4.0, 4.0);
     let corners = vec![grip, grip - vec2(8.0, 0.0), grip - vec2(0.0, 8.0)];
     painter.add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));

@@ -8,6 +8,7 @@ use super::camera::View;
 use super::layout::{Layout, Pin};
 use super::{Desk, GRID};
 use crate::editor::board::NodeState;
+use crate::editor::shown;
 use crate::editor::theme;
 use crate::graph::{GraphNode, NodeId, Problem};
 
@@ -104,7 +105,7 @@ fn texts(ui: &Ui, painter: &Painter, view: &View, layout: &Layout, node: &GraphN
     let title = inner.text(
         head.left_center() + vec2(8.0 * zoom, 0.0),
         Align2::LEFT_CENTER,
-        &node.name,
+        shown(&node.name),
         FontId::proportional(font_size(13.0, zoom)),
         Color32::WHITE,
     );
@@ -117,7 +118,7 @@ fn texts(ui: &Ui, painter: &Painter, view: &View, layout: &Layout, node: &GraphN
             let clip = Rect::from_min_max(pos2(title.right() + 8.0 * zoom, head.top()), head.max);
             let painter = painter.with_clip_rect(clip.intersect(painter.clip_rect()));
             let font = FontId::proportional(font_size(10.0, zoom));
-            painter.text(at, Align2::RIGHT_CENTER, kind, font, Color32::from_white_alpha(150));
+            painter.text(at, Align2::RIGHT_CENTER, shown(kind), font, Color32::from_white_alpha(150));
         }
     }
     if look.pinned {
@@ -200,7 +201,7 @@ fn badge(ui: &Ui, painter: &Painter, at: Pos2, zoom: f32, message: &str, error: 
     painter.text(at, Align2::CENTER_CENTER, "!", FontId::proportional(radius * 1.6), Color32::WHITE);
     let over = ui.input(|i| i.pointer.hover_pos()).is_some_and(|p| p.distance(at) < radius + 3.0);
     if over {
-        bubble(ui, at + vec2(12.0, 12.0), message, color);
+        bubble(ui, at + vec2(12.0, 12.0), &shown(message), color);
     }
 }
 

@@ -123,22 +123,16 @@ impl Search {
                 name
             });
             if own {
-                ui.indent(("help", i), |ui| ui.label(RichText::new(summary(kind)).small()));
+                ui.indent(("help", i), |ui| ui.label(RichText::new(kind.summary()).small()));
                 if ui.input(|i| i.key_pressed(Key::ArrowDown) || i.key_pressed(Key::ArrowUp)) {
                     row.inner.scroll_to_me(None);
                 }
             }
-            let name = row.inner.on_hover_text(summary(kind));
+            let name = row.inner.on_hover_text(kind.summary());
             if name.clicked() {
                 picked = Some(kind);
             }
         }
         picked
     }
-}
-
-/// The first sentence of the manual page of a kind.
-pub(crate) fn summary(kind: &Kind) -> String {
-    let doc = kind.doc();
-    doc.split("\n\n").next().unwrap_or_default().replace('\n', " ")
 }

@@ -7,6 +7,7 @@ use super::gesture::Gesture;
 use super::layout::place;
 use super::wire::{Course, nearest, shapes};
 use super::{Canvas, Desk};
+use crate::editor::shown;
 use crate::editor::theme;
 
 /// How near the pointer must come to a wire, in points of the screen.
@@ -93,7 +94,7 @@ impl Canvas {
             return;
         }
         ground.clone().on_hover_ui_at_pointer(|ui| {
-            ui.label(format!("{from} to {name}.{}", course.input));
+            ui.label(shown(&format!("{from} to {name}.{}", course.input)));
             ui.weak("Double-click adds a bend, Alt-click cuts the wire");
         });
     }

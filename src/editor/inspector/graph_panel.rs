@@ -4,6 +4,7 @@ use eframe::egui::{self, RichText, Ui};
 
 use super::Panel;
 use super::value::{self, Edited, Field, labelled};
+use crate::editor::shown;
 use crate::graph::{About, Exposed, terrain_params};
 use crate::params::Param;
 
@@ -41,11 +42,11 @@ fn one(ui: &mut Ui, panel: &mut Panel<'_>, name: &str, own: &Exposed, param: &Pa
     let mut next = own.value.clone();
     let mut edited = Edited::No;
     let label = if own.label.is_empty() { name.replace('_', " ") } else { own.label.clone() };
-    let row = labelled(ui, &field, RichText::new(label).size(13.0), |ui| {
+    let row = labelled(ui, &field, RichText::new(shown(&label)).size(13.0), |ui| {
         ui.push_id(("exposed", name), |ui| edited = value::edit(ui, &field, &mut next));
     });
     row.context_menu(|ui| {
-        ui.weak(format!("Sets {}", own.bind.join(", ")));
+        ui.weak(shown(&format!("Sets {}", own.bind.join(", "))));
         if ui.button("Expose no longer").clicked() {
             panel.apply("Unexpose", "", |g| g.unexpose(name).map(drop));
             ui.close();

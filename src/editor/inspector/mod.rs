@@ -21,12 +21,12 @@ use std::collections::BTreeSet;
 use eframe::egui::{self, Color32, RichText, Ui};
 use serde_json::Value as Json;
 
-use super::canvas::search::summary;
 use super::document::Document;
 use super::drawing::{Drawing, Pad};
 use super::notices::Notices;
 use super::ops;
 use super::theme;
+use crate::editor::shown;
 use crate::graph::{Exposed, Graph, NodeId};
 use crate::node::Kind;
 use crate::params::Param;
@@ -73,8 +73,8 @@ pub(crate) fn nodes_panel(ui: &mut Ui, panel: &mut Panel<'_>, chosen: &BTreeSet<
     };
     let node = panel.graph().node(first).clone();
     let Some(kind) = node.kind() else {
-        ui.heading(&node.name);
-        let kind = node.kind.id();
+        ui.heading(shown(&node.name));
+        let kind = shown(node.kind.id());
         ui.label(format!("`{kind}` is not known to this version. It is kept as it is and cannot run."));
         return;
     };
@@ -93,7 +93,7 @@ pub(crate) fn nodes_panel(ui: &mut Ui, panel: &mut Panel<'_>, chosen: &BTreeSet<
         let help = ui.small_button("?").on_hover_text("What this kind does");
         egui::Popup::menu(&help).width(420.0).show(|ui| page(ui, kind));
     });
-    ui.add(egui::Label::new(RichText::new(summary(kind)).size(12.0)).wrap());
+    ui.add(egui::Label::new(RichText::new(kind.summary()).size(12.0)).wrap());
     ui.separator();
     if kind.params().is_empty() {
         ui.weak("This kind has no parameters.");

@@ -4,6 +4,7 @@ use eframe::egui::{self, ComboBox, DragValue, RichText, Ui};
 
 use super::Panel;
 use super::value::named;
+use crate::editor::shown;
 use crate::files::{Format, Target};
 use crate::graph::{NodeId, Output, Problem};
 
@@ -15,7 +16,7 @@ pub(crate) fn outputs_panel(ui: &mut Ui, panel: &mut Panel<'_>, chosen: Option<N
         ui.weak("No outputs yet: nothing would be built.");
     }
     for (name, output) in &outputs {
-        egui::CollapsingHeader::new(RichText::new(name).strong())
+        egui::CollapsingHeader::new(RichText::new(shown(name)).strong())
             .id_salt(("output", name))
             .show(ui, |ui| one(ui, panel, name, output));
     }
@@ -30,7 +31,7 @@ fn add(ui: &mut Ui, panel: &mut Panel<'_>, chosen: Option<NodeId>) {
     };
     let source = chosen.and_then(port);
     let label = match &source {
-        Some((_, from)) => format!("➕ Output of {from}"),
+        Some((_, from)) => format!("➕ Output of {}", shown(from)),
         None => "➕ Output of the selected node".to_owned(),
     };
     let button = ui.add_enabled(source.is_some(), egui::Button::new(label));

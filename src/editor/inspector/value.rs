@@ -4,7 +4,9 @@ use eframe::egui::{self, ComboBox, Response, RichText, Ui, WidgetText};
 use serde_json::{Map, Value as Json, json};
 
 use super::{curve, gradient, list, number};
+use crate::editor::shown;
 use crate::params::{Choice, Param, Shape};
+use crate::text::printable_lines;
 
 /// What a hand did to a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,7 +87,7 @@ pub(super) fn labelled(
 ) -> Response {
     let show = |ui: &mut Ui| {
         let label = egui::Label::new(label.into()).truncate().sense(egui::Sense::click());
-        ui.add(label).on_hover_text(format!("{}\n\n{}", field.name, field.doc))
+        ui.add(label).on_hover_text(format!("{}\n\n{}", shown(field.name), printable_lines(field.doc)))
     };
     if field.is_tall() {
         let label = show(ui);
@@ -128,7 +130,7 @@ pub(super) fn edit(ui: &mut Ui, field: &Field<'_>, value: &mut Json) -> Edited {
         Shape::Record(fields) => record(ui, field, fields, value),
         Shape::Optional(inner) => optional(ui, field, inner, value),
         Shape::Unknown => {
-            ui.weak(value.to_string());
+            ui.weak(shown(&value.to_string()));
             Edited::No
         }
     }

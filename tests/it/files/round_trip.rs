@@ -203,7 +203,7 @@ fn the_place_is_written_and_read() {
 
 #[test]
 fn sidecars_tell_range_sea_grid_and_tile() {
-    let terrain = Terrain { sea_level: 12.5, ..Terrain::default() };
+    let terrain = Terrain { sea_level: Some(12.5), ..Terrain::default() };
     let mut at = grid(5, 4, 10.0);
     (at.col, at.row) = (4, 8);
     let value = Value::Field(Field::new(at, Quantity::Elevation, vec![7.0; 20]));

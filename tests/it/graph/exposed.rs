@@ -229,7 +229,7 @@ fn an_exposed_parameter_is_what_its_binds_are() {
     );
     g.expose("sea", Exposed::of("terrain.sea_level")).unwrap();
     g.assign("sea", "-20").unwrap();
-    assert_eq!(g.terrain().sea_level, -20.0);
+    assert_eq!(g.terrain().sea_level, Some(-20.0));
     g.unexpose("sea").unwrap();
     g.assign("terrain.sea_level", "-21").unwrap();
     g.change_exposed("layers", Exposed { label: "Layers".into(), ..Exposed::of("hills.octaves") }).unwrap();

@@ -99,8 +99,8 @@ impl ReliefView {
         let size = rect.size() * ui.pixels_per_point();
         let pixels = [size.x, size.y].map(|v| (v.round() as u32).clamp(1, 8192));
         let background = [background.r(), background.g(), background.b()].map(|c| f32::from(c) / 255.0);
-        let sea = pad.document.graph().terrain().sea_level as f32;
-        let water = (self.water && sea > range[0]).then_some(sea);
+        let sea = pad.document.graph().terrain().sea_level.map(|level| level as f32);
+        let water = sea.filter(|sea| self.water && *sea > range[0]);
         let height = main.height.clone();
         let draw = |terrain: Terrain, slot: usize, clip: egui::Rect| {
             let exaggeration = self.exaggeration;
