@@ -72,7 +72,7 @@ impl Sheet<'_> {
             range,
             rows_from: if self.writing.flip { Side::South } else { Side::North },
             cell: self.placement.cell.map(|[x, _]| x),
-            ..self.sidecar
+            ..self.sidecar.clone()
         }
     }
 

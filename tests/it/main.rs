@@ -20,6 +20,7 @@ mod kinds;
 mod laws;
 mod memory;
 mod plans;
+mod readme;
 mod render;
 mod select;
 mod sources;
