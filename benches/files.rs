@@ -5,7 +5,9 @@ use std::io::Cursor;
 
 use divan::counter::{BytesCount, ItemsCount};
 use divan::{Bencher, bench, black_box};
-use orograph::files::{Encoding, Format, Limits, Relief, Request, WriteJob, Writing, encode, fill_voids, read_height};
+use orograph::files::{
+    Format, Limits, Reading, Relief, Request, Watch, WriteJob, Writing, encode, fill_voids, read_height,
+};
 use orograph::value::{Field, Grid, Lattice, Quantity, Terrain, Value};
 
 fn main() {
@@ -93,15 +95,11 @@ fn read(bencher: Bencher<'_, '_>, format: Format) {
 fn import_cubic(bencher: Bencher<'_, '_>) {
     let (bytes, _) = written(&hills(SIZE), Format::Tiff);
     let closing = orograph::files::Closing::Smooth;
-    let request = Request {
-        name: "a.tif",
-        bytes: &bytes,
-        sidecar: None,
-        encoding: Encoding::Auto,
-        closing,
-        cubic: true,
-    };
-    bencher.bench_local(|| Relief::new(black_box(&request), &Limits::default()).expect("reads"));
+    let reading = Reading::default();
+    let request = Request { name: "a.tif", companions: &[], reading: &reading, closing, cubic: true };
+    bencher.bench_local(|| {
+        Relief::new(black_box(&request), &bytes, &Limits::default(), Watch::default()).expect("reads")
+    });
 }
 
 /// Half of the samples void: a coast.

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use crate::files::{
-    Affine, Closing, Encoding, Limits, Relief, Request, Units, apart, claimed_size, sidecar_name,
+    Affine, Claim, Closing, Companion, Encoding, Fault, Input, Limits, Reading, Relief, Request, Units,
+    Watch, apart, companions,
 };
 use crate::node::SourceFile;
 use crate::prelude::*;
@@ -14,8 +15,9 @@ const DECODING_SECONDS: f64 = 30e-9;
 
 /// Reads heights from a file and places them on the terrain.
 ///
-/// It reads PNG (grey or Terrarium), TIFF and GeoTIFF, OpenEXR, r16 and r32 (with a JSON sidecar), Esri ASCII `.asc`
-/// and SRTM `.hgt`. Between the samples of the file runs a cubic spline that meets every one of them; beyond its
+/// It reads PNG (grey, Terrarium or Terrain-RGB), TIFF and GeoTIFF, OpenEXR, r16 and r32 (with a JSON sidecar), Esri's
+/// `.asc`, `.flt` and `.bil`, SRTM `.hgt`, PFM, Terragen `.ter` and lines of `.xyz`. What a reader noticed is a warning.
+/// Between the samples of the file runs a cubic spline that meets every one of them; beyond its
 /// rectangle the border value continues.
 ///
 /// Height is `value · height_scale + height_offset`. Formats in metres (TIFF, OpenEXR, `.asc`, `.hgt`, Terrarium, and
@@ -45,6 +47,9 @@ pub struct ImportHeight {
     pub height_offset: Metres,
     /// How the pixels of a PNG hold heights.
     pub encoding: Encoding,
+    /// The channel of an OpenEXR file, by its name, or the band of a TIFF or `.bil`, by its number; empty takes the one
+    /// that its name gives away, or the first.
+    pub channel: String,
     /// What runs between the samples of the file.
     pub interpolation: Interpolation,
     /// How voids are closed.
@@ -109,6 +114,7 @@ impl Default for ImportHeight {
             height_scale: Number(1.0),
             height_offset: Metres(0.0),
             encoding: Encoding::default(),
+            channel: String::new(),
             interpolation: Interpolation::default(),
             fill: Fill::default(),
         }
@@ -157,26 +163,28 @@ impl Node for ImportHeight {
         if self.file.0.is_empty() {
             return Vec::new();
         }
-        let sidecar = sidecar_name(&self.file.0);
-        vec![
-            FileRequest { parameter: "file", name: self.file.0.clone(), optional: false },
-            FileRequest { parameter: "file", name: sidecar, optional: true },
-        ]
+        let request = |name: String, optional| FileRequest { parameter: "file", name, optional };
+        let beside = companions(&self.file.0).into_iter().map(|name| request(name, true));
+        [request(self.file.0.clone(), false)].into_iter().chain(beside).collect()
     }
 
     fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {
         let content = Cost::of_reading(files);
         let [file, rest @ ..] = files else { return content };
         // A file that cannot be read takes nothing more: the run says what is wrong with it.
-        let sidecar = rest.first().filter(|f| f.len() <= HEAD_BYTES).and_then(|f| f.head().ok());
-        let [cols, rows] = claimed(file, sidecar.as_deref()).unwrap_or_default();
-        let bytes = Relief::bytes(cols, rows, self.interpolation == Interpolation::Cubic);
-        content.and(Cost { bytes, seconds: cols as f64 * rows as f64 * DECODING_SECONDS })
+        let small = rest.iter().filter(|f| f.len() <= HEAD_BYTES);
+        let beside: Vec<_> = small.filter_map(|f| Some((f.name(), f.head().ok()?))).collect();
+        let beside: Vec<_> = beside.iter().map(|(name, bytes)| Companion { name, bytes }).collect();
+        let Ok(claim) = claim(file, &beside, &self.reading_as()) else { return content };
+        let surface = Relief::bytes(claim.cols, claim.rows, self.interpolation == Interpolation::Cubic);
+        let seconds = claim.cols as f64 * claim.rows as f64 * DECODING_SECONDS;
+        content.and(Cost { bytes: surface.max(claim.bytes), seconds })
     }
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {
         let relief = self.relief(cx)?;
         let pose = self.pose(cx.terrain()?, &relief)?;
+        relief.notes.iter().for_each(|note| cx.warn(note.clone()));
         cx.check()?;
         Ok(Outputs {
             height: self.heights(&cx.stage(0.2, 0.8), &relief, &pose)?,
@@ -187,6 +195,11 @@ impl Node for ImportHeight {
 }
 
 impl ImportHeight {
+    /// What the parameters say of the file.
+    fn reading_as(&self) -> Reading {
+        Reading { encoding: self.encoding, channel: (!self.channel.is_empty()).then(|| self.channel.clone()) }
+    }
+
     /// The surface of the file, made once however many tiles and nodes ask.
     fn relief(&self, cx: &Context<'_>) -> Result<Arc<Relief>> {
         let name = &self.file.0;
@@ -195,8 +208,15 @@ impl ImportHeight {
         }
         let fault = |message: String| Error::File { parameter: "file", file: name.clone(), message };
         let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;
-        let sidecar = cx.file(&FilePath(sidecar_name(name)));
-        let sidecar = sidecar.map(|s| beside(cx, s)).transpose()?;
+        let names = companions(name);
+        let mut found = Vec::new();
+        for name in &names {
+            if let Some(file) = cx.file(&FilePath(name.clone())) {
+                found.push((name, beside(cx, file)?));
+            }
+        }
+        let companions: Vec<_> = found.iter().map(|(name, bytes)| Companion { name, bytes }).collect();
+        let reading = self.reading_as();
         let (scale, offset) = (self.height_scale.0, self.height_offset.0);
         let closing = match self.fill {
             Fill::Smooth => Closing::Smooth,
@@ -205,8 +225,8 @@ impl ImportHeight {
         };
         let way = Request {
             name,
-            sidecar: sidecar.as_deref(),
-            encoding: self.encoding,
+            companions: &companions,
+            reading: &reading,
             closing,
             cubic: self.interpolation == Interpolation::Cubic,
         };
@@ -214,8 +234,11 @@ impl ImportHeight {
             let limits = Limits::default();
             let bytes = cx.stage(0.01, 0.2).read("file", file)?;
             // Under a lock of the shelf, where a worker must not pick up other work.
-            let relief =
-                apart(|| Relief::new(&way, &bytes, &limits)).map_err(|e| fault(e.fault.to_string()))?;
+            let watch = Watch { cancel: Some(cx.cancel), progress: None };
+            let relief = apart(|| Relief::new(&way, &bytes, &limits, watch)).map_err(|e| match e.fault {
+                Fault::Cancelled => Error::Cancelled,
+                other => fault(other.to_string()),
+            })?;
             let held = relief.held_bytes();
             Ok((relief, held))
         })
@@ -311,17 +334,20 @@ impl ImportHeight {
     }
 }
 
-/// The size that the header of a file claims.
-fn claimed(file: &SourceFile, sidecar: Option<&[u8]>) -> Result<[u64; 2], String> {
+/// What the header of a file claims.
+fn claim(file: &SourceFile, companions: &[Companion<'_>], reading: &Reading) -> Result<Claim, String> {
     let opened = file.open().map_err(|e| e.to_string())?;
-    claimed_size(file.name(), &*opened, sidecar, &Limits::default()).map_err(|e| e.fault.to_string())
+    let (name, limits, watch) = (file.name(), &Limits::default(), Watch::default());
+    let input = Input { name, bytes: &*opened, companions, reading, limits, watch };
+    input.claim().map_err(|e| e.fault.to_string())
 }
 
-/// The content of a sidecar, which is a page of text at most.
+/// The content of a file beside another one, which is a page of text at most.
 fn beside(cx: &Context<'_>, sidecar: &SourceFile) -> Result<Vec<u8>> {
     let (len, file) = (sidecar.len(), sidecar.name().to_owned());
     if len > HEAD_BYTES {
-        let message = format!("as a sidecar must have {HEAD_BYTES} bytes at most, it has {len}");
+        let message =
+            format!("as a file beside another one must have {HEAD_BYTES} bytes at most, it has {len}");
         return Err(Error::File { parameter: "file", file, message });
     }
     cx.stage(0.0, 0.01).read("file", sidecar)

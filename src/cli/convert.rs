@@ -7,7 +7,8 @@ use cap_std::fs::Dir;
 
 use super::args::{parse_finite, parse_positive};
 use super::exit::{Exit, Stop, save, tell};
-use crate::files::{Encoding, Format, Limits, Watch, Writing, encode_file, read_height_as, sidecar_name};
+use super::height;
+use crate::files::{Format, Watch, Writing, encode_file, sidecar_name};
 use crate::node::Cancel;
 use crate::whole::{self, Known};
 
@@ -35,16 +36,16 @@ pub(super) struct Args {
     /// Metres at zero of the file
     #[arg(long, value_name = "METRES", default_value_t = 0.0, value_parser = parse_finite, allow_hyphen_values = true)]
     height_offset: f64,
-    /// Reads the colours of a PNG as Terrarium heights
-    #[arg(long)]
-    terrarium: bool,
+    #[command(flatten)]
+    read: height::ReadArgs,
+    #[command(flatten)]
+    memory: height::MemoryArgs,
     /// Replaces the output when it is there
     #[arg(long)]
     overwrite: bool,
 }
 
 pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
-    let input = args.input.to_string_lossy();
     let name = args.output.file_name().map(|n| n.to_string_lossy().into_owned());
     let name = name.ok_or_else(|| Stop::usage(format!("{} is not a file name", args.output.display())))?;
     let format = args.format.or_else(|| Format::of_name(&name));
@@ -58,12 +59,8 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     if args.output.symlink_metadata().is_ok() && !args.overwrite {
         return Err(Stop::usage(format!("{} is there already; say --overwrite", args.output.display())));
     }
-    let bytes = std::fs::read(&args.input)
-        .map_err(|e| Stop::new(Exit::Input, format!("cannot read {input}: {e}")))?;
-    let sidecar = std::fs::read(sidecar_name(&input)).ok();
-    let encoding = if args.terrarium { Encoding::Terrarium } else { Encoding::Auto };
-    let mut file = read_height_as(&input, &bytes, sidecar.as_deref(), &Limits::default(), encoding)
-        .map_err(|e| Stop::new(Exit::Input, e))?;
+    let mut file = height::read(&args.input, &args.read, args.memory.budget(), 0, cancel)?;
+    file.origin.notes.iter().for_each(|n| tell(&format!("note: {n}")));
     let (scale, offset) = (args.height_scale, args.height_offset);
     if (scale, offset) != (1.0, 0.0) {
         file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);

@@ -6,8 +6,10 @@ use serde_json::json;
 
 use super::args::GraphArgs;
 use super::exit::{Exit, Stop, print_json, print_lines};
-use super::open;
+use super::{height, open};
+use crate::files::Info;
 use crate::graph::Graph;
+use crate::node::Cancel;
 use crate::nodes::Registry;
 
 #[derive(Debug, clap::Args)]
@@ -17,13 +19,18 @@ pub(super) struct Args {
     /// Prints JSON
     #[arg(long)]
     pub(super) json: bool,
+    #[command(flatten)]
+    read: height::ReadArgs,
+    #[command(flatten)]
+    memory: height::MemoryArgs,
 }
 
-pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
+pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
     if !is_graph(&args.graph.graph) {
         args.graph.refuse("graphs", args.graph.given())?;
-        return height_file(args);
+        return height_file(args, cancel);
     }
+    args.graph.refuse("height files", args.read.given().chain(args.memory.given()))?;
     let graph = open::open(&args.graph, registry)?.graph;
     if args.json {
         return print_json(&as_json(&graph));
@@ -36,14 +43,10 @@ pub(super) fn is_graph(path: &Path) -> bool {
     path == Path::new(open::STDIN) || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("graph"))
 }
 
-fn height_file(args: &Args) -> Result<Exit, Stop> {
-    let file = &args.graph.graph;
-    let name = file.to_string_lossy();
-    let bytes =
-        std::fs::read(file).map_err(|e| Stop::new(Exit::Input, format!("cannot read {name}: {e}")))?;
-    let sidecar = std::fs::read(crate::files::sidecar_name(&name)).ok();
-    let info = crate::files::info(&name, &bytes, sidecar.as_deref(), &crate::files::Limits::default())
-        .map_err(|e| Stop::new(Exit::Input, e))?;
+fn height_file(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
+    let path = &args.graph.graph;
+    let file = height::read(path, &args.read, args.memory.budget(), 0, cancel)?;
+    let info = Info::of(&path.to_string_lossy(), &file);
     if args.json { print_json(&json!(info)) } else { print_lines(info.to_string().lines()) }
 }
 

@@ -6,6 +6,7 @@ mod check;
 mod convert;
 mod exit;
 mod folder;
+mod height;
 mod info;
 mod job;
 mod nodes;
@@ -169,7 +170,7 @@ fn run(cli: Cli, cancel: &Cancel) -> Result<Exit, exit::Stop> {
     match cli.command {
         Command::Build(args) => build::run(&args, &registry, cancel),
         Command::Check(args) => check::run(&args, &registry),
-        Command::Info(args) => info::run(&args, &registry),
+        Command::Info(args) => info::run(&args, &registry, cancel),
         Command::Plan(args) => plan::run(&args, &registry, cancel),
         Command::Nodes(args) => nodes::run(&args, &registry),
         Command::Schema => {

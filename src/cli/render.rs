@@ -6,13 +6,14 @@ use clap::ValueEnum;
 
 use super::args::{EngineArgs, GraphArgs, GridArgs, parse_positive};
 use super::exit::{Exit, Stop, save, spare_inputs, tell};
+use super::height;
 use super::info::is_graph;
 use super::open::{self, Opened};
 use super::plan::{chosen, want};
 use super::progress::{Mode, Progress};
 use super::reserve::reserve;
 use crate::engine::{Engine, Options, Want};
-use crate::files::{Limits, fill_voids, read_height, sidecar_name};
+use crate::files::fill_voids;
 use crate::graph::{Graph, Source};
 use crate::node::Cancel;
 use crate::nodes::Registry;
@@ -87,11 +88,16 @@ pub(super) struct Args {
     #[arg(long, value_name = "METRES", value_parser = parse_positive, allow_hyphen_values = true)]
     cell: Option<f64>,
     #[command(flatten)]
+    read: height::ReadArgs,
+    #[command(flatten)]
     engine: EngineArgs,
     /// How progress is shown on standard error [default: a bar on a terminal]
     #[arg(long, value_enum)]
     progress: Option<Mode>,
 }
+
+/// Bytes a sample that closing voids and drawing take beside the heights.
+const DRAWING: u64 = 24;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum View {
@@ -129,7 +135,8 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let subject = if is_graph(&args.graph.graph) {
         from_graph(args, registry, &progress, cancel)
     } else {
-        spare_inputs(&args.out, std::slice::from_ref(&args.graph.graph)).and_then(|()| from_file(args))
+        spare_inputs(&args.out, std::slice::from_ref(&args.graph.graph))
+            .and_then(|()| from_file(args, cancel))
     };
     let picture = subject.and_then(|s| draw(args, &s, cancel));
     progress.end();
@@ -147,7 +154,7 @@ impl Args {
         if is_graph(&self.graph.graph) {
             let given =
                 named(&[("--height-scale", self.height_scale.is_some()), ("--cell", self.cell.is_some())]);
-            return self.graph.refuse("height files", given);
+            return self.graph.refuse("height files", given.into_iter().chain(self.read.given()));
         }
         let given = named(&[
             ("--output", self.output.is_some()),
@@ -278,14 +285,11 @@ fn greys(values: &Field) -> Colors {
     Colors::new(*values.grid(), Quantity::Color, values.data().iter().map(grey).collect())
 }
 
-fn from_file(args: &Args) -> Result<Subject, Stop> {
+fn from_file(args: &Args, cancel: &Cancel) -> Result<Subject, Stop> {
     let path: &Path = &args.graph.graph;
-    let name = path.to_string_lossy();
-    let bytes =
-        std::fs::read(path).map_err(|e| Stop::new(Exit::Input, format!("cannot read {name}: {e}")))?;
-    let sidecar = std::fs::read(sidecar_name(&name)).ok();
-    let mut file = read_height(&name, &bytes, sidecar.as_deref(), &Limits::default())
-        .map_err(|e| Stop::new(Exit::Input, e))?;
+    let budget = args.engine.options().memory;
+    let mut file = height::read(path, &args.read, budget, DRAWING, cancel)?;
+    file.origin.notes.iter().for_each(|n| tell(&format!("note: {n}")));
     fill_voids(file.cols, file.rows, &mut file.data);
     if let Some(scale) = args.height_scale {
         file.data.iter_mut().for_each(|z| *z *= scale as f32);

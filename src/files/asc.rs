@@ -7,23 +7,25 @@ use rayon::prelude::*;
 use super::bands::{self, Band, Split};
 use super::codec::{Codec, Form, Format};
 use super::error::{Fault, WriteError};
-use super::height::{HeightFile, Origin};
+use super::height::{HeightFile, Origin, room};
 use super::input::{Claim, Input};
 use super::place::{Affine, Anchor, Placement, Units};
 use super::sheet::{Sheet, Sink, unfit};
-use super::watch::Watch;
+use super::wkt::{self, System};
+use super::world;
 use super::write::Written;
 
 pub(super) static CODEC: Codec = Codec {
     name: "Esri ASCII grid",
     extensions: &["asc"],
     magic: &[],
-    companions: &[],
+    companions: &["prj"],
     claim,
     read,
-    reads: "Esri ASCII grid: corner or centre, `cellsize` or `dx` and `dy`, decimal points or commas, comments",
-    metres: "yes",
-    place: "yes, without EPSG code",
+    reads: "Esri ASCII grid: corner or centre, `cellsize` or `dx` and `dy`, decimal points or commas, comments; `null`, \
+            `nan` and the like are voids",
+    metres: "yes; the unit that a `.prj` gives heights is applied",
+    place: "yes; EPSG code and unit from `.prj`",
 };
 
 pub(super) static TEXT: Form = Form {
@@ -41,34 +43,50 @@ pub(super) static TEXT: Form = Form {
 
 /// Bytes of text that one task parses.
 const PIECE: usize = 1 << 20;
+/// Longest word that may be cut in two by the end of a block.
+const LONGEST_WORD: usize = 1 << 12;
 
-fn header_and_body<'a>(input: &Input<'a>) -> Result<(Header, &'a [u8]), Fault> {
-    let bytes = input.bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(input.bytes);
-    let (header, body) = Header::parse(bytes)?;
+/// The header, and where the numbers begin.
+fn header(input: &Input<'_>) -> Result<(Header, u64), Fault> {
+    let head = input.head()?;
+    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head);
+    let (header, body) = Header::parse(text)?;
+    let at = (head.len() - body.len()) as u64;
     let total = input.limits.samples(header.cols, header.rows)?;
     // A number takes a digit and, but for the last, a blank.
-    let want = 2 * total as u64 - 1;
-    if want > body.len() as u64 {
-        return Err(Fault::Short { what: "that many numbers", want, found: body.len() as u64 });
+    let (want, found) = (2 * total as u64 - 1, input.bytes.len() - at);
+    if want > found {
+        return Err(Fault::Short { what: "that many numbers", want, found });
     }
-    Ok((header, body))
+    Ok((header, at))
+}
+
+/// Bytes of text that are parsed at once.
+fn block() -> usize {
+    PIECE * 2 * rayon::current_num_threads()
 }
 
 /// What the header claims.
 fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
-    let (header, _) = header_and_body(input)?;
-    // The pieces are put together at the end, so that the heights stand there twice.
-    Claim::new(input, [header.cols, header.rows], header.cols * header.rows * 4)
+    let (header, _) = header(input)?;
+    // A block of text, and what is made of it: a number takes two bytes of text at least and four in memory.
+    Claim::new(input, [header.cols, header.rows], 3 * (block() as u64).min(input.bytes.len()))
 }
 
 /// Reads a grid.
 fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
-    let (header, body) = header_and_body(input)?;
+    let (header, at) = header(input)?;
     let (cols, rows) = (header.cols as usize, header.rows as usize);
-    let data = numbers(body, cols * rows, header.nodata, &input.watch)?;
+    let mut data = room(cols * rows)?;
+    numbers(input, at, header.nodata, &mut data, cols * rows)?;
     let mut origin = Origin::new(&CODEC, "text");
     origin.nodata = header.nodata;
-    Ok(HeightFile { cols, rows, data, metres: true, placement: header.placement([cols, rows]), origin })
+    let system = world::system(input, &mut origin.notes);
+    let placement = header.placement([cols, rows], system);
+    let unit = wkt::metres_of_heights(system.as_ref());
+    let mut file = HeightFile { cols, rows, data, metres: true, placement, origin };
+    file.scale(unit, 0.0);
+    Ok(file)
 }
 
 /// The lines before the numbers.
@@ -92,14 +110,16 @@ impl Header {
                 text = line(text).1;
                 continue;
             }
-            if !text.first().is_some_and(|c| c.is_ascii_alphabetic()) || is_nan(word(text).0) {
+            if !text.first().is_some_and(|c| c.is_ascii_alphabetic()) || is_void(word(text).0) {
                 break;
             }
             let (key, rest) = word(text);
             let (value, rest) = word(rest.trim_ascii_start());
             let key = String::from_utf8_lossy(&key[..key.len().min(40)]).to_ascii_lowercase();
+            let is_nodata = key.starts_with("nodata");
             let number = parse::<f64>(value)
-                .filter(|v| v.is_finite() || key.starts_with("nodata"))
+                .or_else(|| is_void(value).then_some(f64::NAN))
+                .filter(|v| v.is_finite() || is_nodata)
                 .ok_or_else(|| Fault::Damaged(format!("`{key}` needs a number, got {}", brief(value))))?;
             let count = |v: f64| (v >= 1.0 && v.fract() == 0.0 && v < 1e15).then_some(v as u64);
             match key.trim_end_matches(':') {
@@ -110,8 +130,8 @@ impl Header {
                 "xllcenter" | "xllcentre" => header.center[0] = Some(number),
                 "yllcenter" | "yllcentre" => header.center[1] = Some(number),
                 "cellsize" => header.cell = [Some(number); 2],
-                "dx" | "xdim" => header.cell[0] = Some(number),
-                "dy" | "ydim" => header.cell[1] = Some(number),
+                "dx" | "xdim" | "xcellsize" | "cellsize_x" => header.cell[0] = Some(number),
+                "dy" | "ydim" | "ycellsize" | "cellsize_y" => header.cell[1] = Some(number),
                 "nodata_value" | "nodata" => header.nodata = Some(number),
                 _ => return Err(Fault::Damaged(format!("an unknown key `{key}`"))),
             }
@@ -127,14 +147,20 @@ impl Header {
         Ok((header, text))
     }
 
-    fn placement(&self, size: [usize; 2]) -> Placement {
+    fn placement(&self, size: [usize; 2], system: Option<System>) -> Placement {
         let [Some(dx), Some(dy)] = self.cell else { return Placement::default() };
         let anchor = if self.center[0].is_some() { Anchor::Point } else { Anchor::Area };
         let west = self.center[0].or(self.corner[0].map(|x| x + dx / 2.0));
         let south = self.center[1].or(self.corner[1].map(|y| y + dy / 2.0));
-        let (Some(west), Some(south)) = (west, south) else { return Placement::of_cell([dx, dy]) };
+        let (Some(west), Some(south)) = (west, south) else {
+            let metres = match system.map(|s| s.units) {
+                Some(Units::Length(metres)) => metres,
+                _ => 1.0,
+            };
+            return Placement::of_cell([dx * metres, dy * metres]);
+        };
         let affine = Affine::upright([west, south + dy * (size[1] - 1) as f64], [dx, dy]);
-        Placement::new(affine, anchor, None, Units::guess(&affine, size), size)
+        world::placed(affine, anchor, system, size)
     }
 }
 
@@ -155,8 +181,13 @@ fn brief(word: &[u8]) -> String {
     format!("`{text}`")
 }
 
-fn is_nan(word: &[u8]) -> bool {
-    [&b"nan"[..], b"inf", b"infinity"].iter().any(|w| word.eq_ignore_ascii_case(w))
+/// Whether a word stands where there is no number: as people write it, and as programs of Microsoft do.
+fn is_void(word: &[u8]) -> bool {
+    const WORDS: [&[u8]; 11] =
+        [b"nan", b"inf", b"infinity", b"null", b"none", b"na", b"n/a", b"nodata", b"no_data", b"void", b"*"];
+    let bare = word.strip_prefix(b"-").or(word.strip_prefix(b"+")).unwrap_or(word);
+    let bare = bare.strip_suffix(b",").or(bare.strip_suffix(b";")).unwrap_or(bare);
+    WORDS.iter().any(|w| bare.eq_ignore_ascii_case(w)) || bare.starts_with(b"1.#")
 }
 
 /// A number in the ways that people's programs write it: `1.5`, `1,5`, `1e3`, `1.5,`, `nan`.
@@ -169,22 +200,43 @@ fn parse<T: FromStr>(word: &[u8]) -> Option<T> {
     text.parse().or_else(|_| text.replacen(',', ".", 1).parse()).ok()
 }
 
-/// All numbers, voids as NaN.
-fn numbers(body: &[u8], total: usize, nodata: Option<f64>, watch: &Watch<'_>) -> Result<Vec<f32>, Fault> {
-    let pieces = pieces(body);
-    let parsed: Result<Vec<Vec<f32>>, Fault> = pieces
-        .par_iter()
-        .map(|p| {
-            watch.go_on()?;
-            piece(p, nodata)
-        })
-        .collect();
-    let parsed = parsed?;
-    let found: usize = parsed.iter().map(Vec::len).sum();
+/// Reads all numbers, voids as NaN, block by block.
+fn numbers(
+    input: &Input<'_>,
+    at: u64,
+    nodata: Option<f64>,
+    data: &mut Vec<f32>,
+    total: usize,
+) -> Result<(), Fault> {
+    let (mut offset, end) = (at, input.bytes.len());
+    let (mut text, mut found) = (Vec::new(), 0);
+    while offset < end {
+        // What the last block left of a word stands before this one.
+        let kept = text.len();
+        let count = (end - offset).min(block() as u64) as usize;
+        text.resize(kept + count, 0);
+        input.bytes.read_at(offset, &mut text[kept..])?;
+        offset += count as u64;
+        let last_blank = text.iter().rposition(u8::is_ascii_whitespace);
+        let cut = if offset == end { text.len() } else { last_blank.unwrap_or(0) };
+        let pieces = pieces(&text[..cut]);
+        let parsed: Vec<Vec<f32>> =
+            pieces.par_iter().map(|p| piece(p, nodata)).collect::<Result<_, Fault>>()?;
+        for numbers in parsed {
+            found += numbers.len();
+            // What is too many is counted and not kept.
+            data.extend(numbers.into_iter().take(total - data.len()));
+        }
+        text.drain(..cut);
+        if text.len() > LONGEST_WORD {
+            return Err(Fault::damaged("a word of more than 4096 letters among the numbers"));
+        }
+        input.watch.check(offset as f32 / end as f32)?;
+    }
     if found != total {
         return Err(Fault::Damaged(format!("{found} numbers where {total} should be")));
     }
-    Ok(parsed.concat())
+    Ok(())
 }
 
 /// The text cut at blanks into pieces of about [`PIECE`] bytes.
@@ -207,16 +259,16 @@ fn piece(text: &[u8], nodata: Option<f64>) -> Result<Vec<f32>, Fault> {
     let mut rest = text.trim_ascii_start();
     while !rest.is_empty() {
         let (number, after) = word(rest);
-        let v: f32 =
-            parse(number).ok_or_else(|| Fault::Damaged(format!("{} is no number", brief(number))))?;
-        out.push(if nodata == Some(v) { f32::NAN } else { v });
+        let v = parse(number).or_else(|| is_void(number).then_some(f32::NAN));
+        let v: f32 = v.ok_or_else(|| Fault::Damaged(format!("{} is no number", brief(number))))?;
+        out.push(if nodata == Some(v) || !v.is_finite() { f32::NAN } else { v });
         rest = after.trim_ascii_start();
     }
     Ok(out)
 }
 
 /// The text of a grid's first lines.
-fn header(size: [usize; 2], placement: &Placement, nodata: Option<f64>) -> String {
+fn first_lines(size: [usize; 2], placement: &Placement, nodata: Option<f64>) -> String {
     use std::fmt::Write;
     let step = |a: &Affine| [libm::hypot(a.col[0], a.col[1]), libm::hypot(a.row[0], a.row[1])];
     let [dx, dy] = placement.affine.as_ref().map(step).or(placement.cell).unwrap_or([1.0, 1.0]);
@@ -261,7 +313,7 @@ fn write(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
         _ => sheet.has_voids().then_some(-9999.0),
     };
     let void = nodata.unwrap_or(-9999.0);
-    out.write_all(header([sheet.cols, sheet.rows], &sheet.placement, nodata).as_bytes())?;
+    out.write_all(first_lines([sheet.cols, sheet.rows], &sheet.placement, nodata).as_bytes())?;
     let make = |band: Band| {
         let mut text = Vec::with_capacity(band.rows * sheet.cols * 9);
         (band.first_row..band.first_row + band.rows).for_each(|j| append_row(sheet.row(j), void, &mut text));

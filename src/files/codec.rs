@@ -14,8 +14,11 @@ use super::height::HeightFile;
 use super::input::{Claim, Input};
 use super::sheet::{Sheet, Sink};
 use super::write::Written;
-use super::{asc, exr, hgt, png, raw, tiff};
+use super::{asc, esri, exr, hgt, pfm, png, raw, terragen, tiff, xyz};
 use crate::params::did_you_mean;
+
+/// Most bytes that tell a kind of file.
+pub(super) const LONGEST_MAGIC: usize = 16;
 
 /// A kind of height file: how it is recognised and read. What is written of it are its [`Form`]s.
 pub struct Codec {
@@ -23,7 +26,7 @@ pub struct Codec {
     pub name: &'static str,
     /// The extensions of its files, in lower case; files are written under the first.
     pub extensions: &'static [&'static str],
-    /// What its first bytes may be, a `?` for any byte; empty where they tell nothing.
+    /// What its first bytes may be; empty where they tell nothing.
     pub(super) magic: &'static [&'static [u8]],
     /// Extensions of the files beside it that are read as well, where they are there: `json` is the sidecar's.
     pub companions: &'static [&'static str],
@@ -122,6 +125,11 @@ codecs! {
         Asc = asc::TEXT,
     }
     hgt::CODEC {}
+    esri::FLT {}
+    esri::BIL {}
+    pfm::CODEC {}
+    terragen::CODEC {}
+    xyz::CODEC {}
 }
 
 impl Format {
@@ -216,10 +224,7 @@ impl Codec {
 
     /// The kind that the first bytes give away.
     pub(super) fn of_content(head: &[u8]) -> Option<&'static Self> {
-        let fits = |magic: &&[u8]| {
-            head.len() >= magic.len() && magic.iter().zip(head).all(|(m, b)| *m == b'?' || m == b)
-        };
-        CODECS.iter().copied().find(|c| c.magic.iter().any(fits))
+        CODECS.iter().copied().find(|c| c.magic.iter().any(|m| head.starts_with(m)))
     }
 
     /// The kind of a file by its name, which its content must not contradict.
@@ -273,9 +278,9 @@ mod tests {
             let by_extension = written.iter().filter(|f| f.form().by_extension).count();
             assert_eq!(by_extension, usize::from(!written.is_empty()), "{}", codec.name);
             for magic in codec.magic {
-                let head: Vec<u8> = magic.iter().map(|b| if *b == b'?' { 7 } else { *b }).collect();
-                assert_eq!(Codec::of_content(&head), Some(*codec), "its first bytes are another's as well");
-                assert_eq!(Codec::of_content(&head[1..]), None);
+                assert!(magic.len() <= LONGEST_MAGIC);
+                assert_eq!(Codec::of_content(magic), Some(*codec), "its first bytes are another's as well");
+                assert_eq!(Codec::of_content(&magic[1..]), None);
             }
         }
     }

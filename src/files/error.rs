@@ -67,6 +67,14 @@ pub enum Fault {
         /// Bytes there are.
         found: u64,
     },
+    /// A channel or band that is not there was asked for.
+    #[error("`channel` asks for \"{asked}\"; there are {known}")]
+    Channel {
+        /// What was asked for.
+        asked: String,
+        /// All that there are.
+        known: String,
+    },
     /// The content breaks the rules of its format.
     #[error("damaged: {0}")]
     Damaged(String),
@@ -107,6 +115,12 @@ impl Fault {
 
     pub(super) fn of(self, file: &str) -> ReadError {
         ReadError { fault: self, file: file.to_owned() }
+    }
+}
+
+impl From<io::Error> for Fault {
+    fn from(e: io::Error) -> Self {
+        Self::Damaged(format!("cannot be read: {e}"))
     }
 }
 

@@ -1,5 +1,6 @@
 //! A height file in memory, and which reader reads it.
 
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -7,12 +8,7 @@ use super::codec::Codec;
 use super::error::{Fault, ReadError};
 use super::input::{Companion, Input};
 use super::place::Placement;
-use super::reading::Reading;
 use super::watch::Watch;
-use crate::source::ReadAt;
-
-/// Bytes of a file up to which its claim is read.
-const MOST_CLAIMED: usize = 1 << 30;
 
 /// The most that a file may claim before memory is taken for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,8 +46,7 @@ impl Limits {
     }
 
     /// Checks that a compressed file of some length can hold some bytes.
-    pub(super) fn plausible(claimed: u64, bytes: usize) -> Result<(), Fault> {
-        let bytes = bytes as u64;
+    pub(super) fn plausible(claimed: u64, bytes: u64) -> Result<(), Fault> {
         if claimed / MOST_COMPRESSED > bytes { Err(Fault::Overclaim { claimed, bytes }) } else { Ok(()) }
     }
 }
@@ -60,13 +55,15 @@ impl Limits {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Encoding {
-    /// Grey where red, green and blue are the same, Terrarium where they make sense as such.
+    /// Grey where red, green and blue are the same, Terrarium where they are the digits of heights.
     #[default]
     Auto,
     /// One number, the grey value.
     Grey,
     /// Metres, as `256 red + green + blue / 256 - 32768`.
     Terrarium,
+    /// Metres, as `(65536 red + 256 green + blue) / 10 - 10000`: Mapbox's Terrain-RGB.
+    TerrainRgb,
 }
 
 /// The heights of a file and where they lie.
@@ -125,6 +122,17 @@ impl HeightFile {
         self.data.iter().filter(|v| v.is_nan()).count()
     }
 
+    /// Makes metres of the numbers of the file by a factor and a summand.
+    pub(super) fn scale(&mut self, factor: f64, summand: f64) {
+        if (factor, summand) == (1.0, 0.0) {
+            return;
+        }
+        self.origin.plain = false;
+        let plus = if summand == 0.0 { String::new() } else { format!(", plus {summand} m") };
+        self.origin.notes.push(format!("heights are {factor} times what the file holds{plus}"));
+        self.data.par_iter_mut().for_each(|v| *v = (f64::from(*v) * factor + summand) as f32);
+    }
+
     /// Turns the rows upside down.
     pub(super) fn flip(&mut self) {
         for j in 0..self.rows / 2 {
@@ -164,29 +172,7 @@ pub fn read_height_as(
     let companions: Vec<_> = sidecar.map(|bytes| Companion { name: ".json", bytes }).into_iter().collect();
     let reading = encoding.into();
     let watch = Watch::default();
-    Input { name, bytes, companions: &companions, reading: &reading, limits, watch }.read()
-}
-
-/// The size a height file claims, as columns and rows, from its header alone.
-///
-/// # Errors
-/// Those of [`read_height`] that show before the first sample.
-pub fn claimed_size(
-    name: &str,
-    bytes: &dyn ReadAt,
-    sidecar: Option<&[u8]>,
-    limits: &Limits,
-) -> Result<[u64; 2], ReadError> {
-    let companions: Vec<_> = sidecar.map(|bytes| Companion { name: ".json", bytes }).into_iter().collect();
-    // Claims are read from the whole content; of a large file the length counts alone.
-    let too_large = || Fault::Unsupported(format!("{} bytes", bytes.len())).of(name);
-    let count = usize::try_from(bytes.len()).ok().filter(|n| *n <= MOST_CLAIMED).ok_or_else(too_large)?;
-    let mut all = vec![0; count];
-    bytes.read_at(0, &mut all).map_err(|e| Fault::Damaged(e.to_string()).of(name))?;
-    let bytes = &all[..];
-    let (reading, watch) = (Reading::default(), Watch::default());
-    let input = Input { name, bytes, companions: &companions, reading: &reading, limits, watch };
-    input.claim().map(|claim| [claim.cols, claim.rows])
+    Input { name, bytes: &bytes, companions: &companions, reading: &reading, limits, watch }.read()
 }
 
 /// An empty vector with room for some values, or the word that there is none.

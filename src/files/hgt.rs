@@ -2,10 +2,10 @@
 
 use super::codec::Codec;
 use super::error::Fault;
+use super::flat::{Flat, Number, height};
 use super::height::{HeightFile, Origin};
 use super::input::{Claim, Input};
 use super::place::{Affine, Anchor, Placement, Units};
-use super::raw::samples;
 
 pub(super) static CODEC: Codec = Codec {
     name: "SRTM .hgt",
@@ -14,56 +14,65 @@ pub(super) static CODEC: Codec = Codec {
     companions: &[],
     claim,
     read,
-    reads: "SRTM tile of any size, big-endian; the name gives the corner",
+    reads: "SRTM tile, big-endian: a square of any size, or the narrower tiles of high latitudes (1801 x 3601, 601 x 1201 \
+            and others of 1/3600, 1/1200 or 1/7200 degree); the name gives the corner",
     metres: "yes",
     place: "EPSG:4326",
 };
 
 /// The number that marks a void.
-const VOID: i16 = i16::MIN;
+const VOID: f64 = i16::MIN as f64;
+/// Rows of tiles that are not square: of half an arc second, of one, of three.
+const ROWS: [u64; 3] = [7201, 3601, 1201];
+/// How many times fewer columns than rows they have, as tenths: what models of high latitudes use.
+const FEWER: [u64; 5] = [15, 20, 30, 50, 100];
 
-/// The samples along a side.
-fn side(input: &Input<'_>) -> Result<u64, Fault> {
-    let found = input.bytes.len() as u64;
+/// Samples in a row, and rows: those of a square, or of a narrower tile.
+fn size(input: &Input<'_>) -> Result<[u64; 2], Fault> {
+    let found = input.bytes.len();
     let side = (found / 2).isqrt();
-    input.limits.samples(side, side)?;
-    if side * side * 2 != found || side < 2 {
-        return Err(Fault::damaged(format!("{found} bytes are no square of 16-bit samples")));
+    if side >= 2 && side * side * 2 == found {
+        return Ok([side, side]);
     }
-    Ok(side)
+    let narrow = |rows: u64| {
+        let cols = found / 2 / rows;
+        let fits = cols * rows * 2 == found && cols > 1;
+        let fewer = FEWER.iter().any(|tenths| (cols - 1) * tenths == (rows - 1) * 10);
+        (fits && fewer).then_some([cols, rows])
+    };
+    // Nothing else than the length tells the size.
+    input.limits.samples(side, side)?;
+    ROWS.into_iter().find_map(narrow).ok_or_else(|| {
+        Fault::damaged(format!(
+            "{found} bytes are no square of 16-bit samples, nor a tile of 3601 or 1201 rows with half the columns"
+        ))
+    })
 }
 
 fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
-    let side = side(input)?;
-    Claim::new(input, [side, side], 0)
+    Claim::new(input, size(input)?, 0)
 }
 
 /// Reads a tile; the name says where it lies, the length how fine it is.
 fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
-    let side = side(input)?;
-    let n = side as usize;
-    let height = |b: [u8; 2]| match i16::from_be_bytes(b) {
-        VOID => f32::NAN,
-        v => f32::from(v),
-    };
+    let size = size(input)?;
+    let [cols, rows] = size.map(|n| n as usize);
     let mut origin = Origin::new(&CODEC, "i16");
-    origin.nodata = Some(f64::from(VOID));
+    origin.nodata = Some(VOID);
     let placement = match corner(input.name) {
         Some([east, north]) => {
-            let step = 1.0 / (side - 1) as f64;
-            let affine = Affine::upright([east, north + 1.0], [step, step]);
-            Placement::new(affine, Anchor::Point, Some(4326), Units::Degrees, [n, n])
+            let step = size.map(|n| 1.0 / (n - 1) as f64);
+            let affine = Affine::upright([east, north + 1.0], step);
+            Placement::new(affine, Anchor::Point, Some(4326), Units::Degrees, [cols, rows])
         }
         None => {
-            origin
-                .notes
-                .push("the name is not that of an SRTM tile, such as N44E005.hgt: no place is known".into());
+            let note = "the name is not that of an SRTM tile, such as N44E005.hgt: no place is known";
+            origin.notes.push(note.into());
             Placement::default()
         }
     };
-    let (pairs, _) = input.bytes.as_chunks::<2>();
-    let data = samples(input, pairs, height)?;
-    Ok(HeightFile { cols: n, rows: n, data, metres: true, placement, origin })
+    let data = Flat::packed(size, Number::I16, true, 0).read(input, height(Some(VOID)))?;
+    Ok(HeightFile { cols, rows, data, metres: true, placement, origin })
 }
 
 /// Longitude and latitude of the south-west corner in a name such as `dir/N44E005.hgt`.

@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::codec::Codec;
+use super::codec::{Codec, LONGEST_MAGIC};
 use super::error::{Fault, ReadError};
 use super::height::{HeightFile, Limits};
 use super::reading::Reading;
 use super::sidecar::Sidecar;
 use super::watch::Watch;
+use crate::source::{HEAD_BYTES, ReadAt};
 
 /// A file that lies beside a height file.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +55,7 @@ pub struct Input<'a> {
     /// The name: its extension chooses the reader, and that of an SRTM tile says where it lies.
     pub name: &'a str,
     /// The content.
-    pub bytes: &'a [u8],
+    pub bytes: &'a dyn ReadAt,
     /// What lies beside it; see [`companions`].
     pub companions: &'a [Companion<'a>],
     /// How it is read.
@@ -79,13 +80,20 @@ impl<'a> Input<'a> {
         Ok(self.companion("json").map(Sidecar::parse).transpose()?.unwrap_or_default())
     }
 
+    /// The first bytes of the content.
+    pub(super) fn head(&self) -> Result<Vec<u8>, Fault> {
+        let mut head = vec![0; self.bytes.len().min(HEAD_BYTES) as usize];
+        self.bytes.read_at(0, &mut head)?;
+        Ok(head)
+    }
+
     /// What the header claims, within the limits.
     ///
     /// # Errors
     /// Those of [`read`](Self::read) that show before the first sample.
     pub fn claim(&self) -> Result<Claim, ReadError> {
-        let codec = Codec::of(self.name, self.bytes).map_err(|fault| fault.of(self.name))?;
-        (codec.claim)(self).map_err(|fault| fault.of(self.name))
+        let claim = || (self.codec()?.claim)(self);
+        claim().map_err(|fault| fault.of(self.name))
     }
 
     /// Reads the heights.
@@ -96,8 +104,17 @@ impl<'a> Input<'a> {
         self.read_checked().map_err(|fault| fault.of(self.name))
     }
 
+    /// The kind of file, by its name and its first bytes.
+    fn codec(&self) -> Result<&'static Codec, Fault> {
+        let mut head = [0; LONGEST_MAGIC];
+        let count = self.bytes.len().min(LONGEST_MAGIC as u64) as usize;
+        self.bytes.read_at(0, &mut head[..count])?;
+        Codec::of(self.name, &head[..count])
+    }
+
     fn read_checked(&self) -> Result<HeightFile, Fault> {
-        let codec = Codec::of(self.name, self.bytes)?;
+        let codec = self.codec()?;
+        self.watch.go_on()?;
         (codec.claim)(self)?;
         let mut file = (codec.read)(self)?;
         // One rule for all formats, on the numbers as they are kept: what is read once reads the same again.

@@ -1,5 +1,7 @@
 //! Where the samples of a file lie: its own coordinates, and how long a step is on the ground.
 
+use super::epsg::{self, Unit};
+
 /// Semi-major axis of the WGS 84 ellipsoid, in metres.
 const SEMI_MAJOR: f64 = 6_378_137.0;
 /// Square of its first eccentricity.
@@ -41,6 +43,12 @@ impl Affine {
             let [x, y] = [p[0] - origin[0], p[1] - origin[1]];
             [(x * row[1] - y * row[0]) / det, (col[0] * y - col[1] * x) / det]
         })
+    }
+
+    /// Whether it can be a place: finite, and with steps that are some.
+    pub(super) fn is_sound(&self) -> bool {
+        let mut all = self.origin.iter().chain(&self.col).chain(&self.row);
+        all.all(|v| v.is_finite()) && self.col != [0.0; 2] && self.row != [0.0; 2]
     }
 
     /// Whether columns run along the first coordinate and rows along the second.
@@ -125,8 +133,7 @@ impl Units {
     pub(super) fn of_epsg(epsg: u32) -> Option<Self> {
         match epsg {
             3857 | 3785 | 900_913 | 102_100 | 102_113 => Some(Self::WebMercator),
-            // The block of geographic codes that files of heights use: WGS 84, NAD 27 and 83, ETRS 89, GDA, JGD …
-            4001..=4999 => Some(Self::Degrees),
+            _ if epsg::horizontal(epsg) == Some(Unit::Degrees) => Some(Self::Degrees),
             _ => None,
         }
     }

@@ -2,7 +2,8 @@
 
 use super::codec::{Codec, Form};
 use super::error::{Fault, WriteError};
-use super::height::{HeightFile, Origin, room};
+use super::flat::{Flat, Number, height};
+use super::height::{HeightFile, Origin};
 use super::input::{Claim, Input};
 use super::place::Placement;
 use super::sheet::{Sheet, Sink, little_floats, little_words};
@@ -69,8 +70,7 @@ fn claim(input: &Input<'_>, width: u64) -> Result<Claim, Fault> {
 fn read_integers(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let sidecar = input.sidecar()?;
     let size = size(input, &sidecar, 2)?;
-    let (pairs, _) = input.bytes.as_chunks::<2>();
-    let data = samples(input, pairs, |b| f32::from(u16::from_le_bytes(b)))?;
+    let data = Flat::packed(size.map(|n| n as u64), Number::U16, false, 0).read(input, |v| v as f32)?;
     let mut file = height_file(size, data, Origin::new(&CODEC16, "u16"), false);
     sidecar.apply(&mut file, Some(65535.0));
     Ok(file)
@@ -80,28 +80,13 @@ fn read_integers(input: &Input<'_>) -> Result<HeightFile, Fault> {
 fn read_floats(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let sidecar = input.sidecar()?;
     let size = size(input, &sidecar, 4)?;
-    let (quads, _) = input.bytes.as_chunks::<4>();
-    let data = samples(input, quads, |b| finite_or_void(f32::from_le_bytes(b)))?;
+    let data = Flat::packed(size.map(|n| n as u64), Number::F32, false, 0).read(input, height(None))?;
     // A sidecar vouches for the unit of floats even where it gives no range.
     let metres = sidecar.orograph.is_some();
     let mut file = height_file(size, data, Origin::new(&CODEC32, "f32"), metres);
     let scaled = sidecar.scale.is_some() || sidecar.offset.is_some();
     sidecar.apply(&mut file, (scaled && !metres).then_some(1.0));
     Ok(file)
-}
-
-/// Numbers of `N` bytes as samples, heard between blocks.
-pub(super) fn samples<const N: usize>(
-    input: &Input<'_>,
-    numbers: &[[u8; N]],
-    of: impl Fn([u8; N]) -> f32,
-) -> Result<Vec<f32>, Fault> {
-    let mut data = room(numbers.len())?;
-    for block in numbers.chunks(1 << 18) {
-        data.extend(block.iter().map(|b| of(*b)));
-        input.watch.check(data.len() as f32 / numbers.len() as f32)?;
-    }
-    Ok(data)
 }
 
 fn write_integers(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
@@ -126,7 +111,7 @@ fn height_file([cols, rows]: [usize; 2], data: Vec<f32>, origin: Origin, metres:
 }
 
 fn size(input: &Input<'_>, sidecar: &Sidecar, width: u64) -> Result<[usize; 2], Fault> {
-    let found = input.bytes.len() as u64;
+    let found = input.bytes.len();
     let (cols, rows) = match (sidecar.cols, sidecar.rows) {
         (Some(cols), Some(rows)) => (cols, rows),
         _ => {

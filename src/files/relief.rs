@@ -1,9 +1,12 @@
 //! A height file as a surface: voids closed, a spline through its samples, a value at any place.
 
 use super::error::ReadError;
-use super::height::{Encoding, Limits, read_height_as};
+use super::height::Limits;
+use super::input::{Companion, Input};
 use super::place::Placement;
+use super::reading::Reading;
 use super::voids::fill_voids;
+use super::watch::Watch;
 use crate::kit::spline::{Spline, Tap};
 
 /// How near a position must come to a sample to be that sample, in steps.
@@ -23,10 +26,10 @@ pub enum Closing {
 pub struct Request<'a> {
     /// Name of the file.
     pub name: &'a str,
-    /// Content of its sidecar.
-    pub sidecar: Option<&'a [u8]>,
-    /// How the pixels of a PNG hold heights.
-    pub encoding: Encoding,
+    /// What lies beside it.
+    pub companions: &'a [Companion<'a>],
+    /// What a person says of it.
+    pub reading: &'a Reading,
     /// How voids are closed.
     pub closing: Closing,
     /// Whether a spline goes through the samples, or planes.
@@ -40,8 +43,8 @@ impl Request<'_> {
             Closing::Smooth => None,
             Closing::Level(height) => Some(height.to_bits()),
         };
-        let sidecar = self.sidecar.map(|s| blake3::hash(s));
-        format!("{sidecar:?} {:?} {level:?} {}", self.encoding, self.cubic).into_bytes()
+        let beside: Vec<_> = self.companions.iter().map(|c| (c.name, blake3::hash(c.bytes))).collect();
+        format!("{beside:?} {:?} {level:?} {}", self.reading, self.cubic).into_bytes()
     }
 }
 
@@ -54,6 +57,8 @@ pub struct Relief {
     pub rows: usize,
     /// Where the samples lie.
     pub placement: Placement,
+    /// What a person should know about the reading.
+    pub notes: Vec<String>,
     heights: Vec<f32>,
     /// Which samples were void; empty when none was.
     voids: Vec<bool>,
@@ -74,9 +79,14 @@ impl Relief {
     ///
     /// # Errors
     /// When the file cannot be read, or holds nothing but voids.
-    pub fn new(request: &Request<'_>, bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
-        let Request { name, sidecar, encoding, closing, cubic } = *request;
-        let file = read_height_as(name, bytes, sidecar, limits, encoding)?;
+    pub fn new(
+        request: &Request<'_>,
+        bytes: &[u8],
+        limits: &Limits,
+        watch: Watch<'_>,
+    ) -> Result<Self, ReadError> {
+        let Request { name, companions, reading, closing, cubic } = *request;
+        let file = Input { name, bytes: &bytes, companions, reading, limits, watch }.read()?;
         let (cols, rows, mut heights) = (file.cols, file.rows, file.data);
         let any = heights.iter().any(|v| v.is_nan());
         let voids = if any { heights.iter().map(|v| v.is_nan()).collect() } else { Vec::new() };
@@ -90,7 +100,8 @@ impl Relief {
             }
         }
         let spline = cubic.then(|| Spline::fit(cols, rows, &heights));
-        Ok(Self { cols, rows, placement: file.placement, heights, voids, spline })
+        let notes = file.origin.notes;
+        Ok(Self { cols, rows, placement: file.placement, notes, heights, voids, spline })
     }
 
     /// Bytes that reading a file of a size takes at the peak: samples, marks of voids, coefficients, and what the

@@ -1,5 +1,8 @@
 //! Tests of: files.
 
+mod budgets;
+mod cases;
+mod crates;
 mod dem;
 mod foreign;
 mod hostile;

@@ -6,7 +6,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use orograph::engine::{Unobserved, Want};
-use orograph::files::{Closing, Encoding, Format, Limits, Relief, Request, WriteJob, Writing, claimed_size, encode};
+use orograph::files::{
+    Closing, Companion, Format, Input, Limits, Reading, Relief, Request, Watch, WriteJob, Writing, encode,
+};
 use orograph::graph::Graph;
 use orograph::kit::curves::raster::BESIDE;
 use orograph::kit::curves::rasterise;
@@ -171,19 +173,31 @@ fn no_height_file_takes_more_memory_than_its_header_tells() {
         let written = encode(&job(format), &mut out).unwrap();
         let (bytes, name) = (out.into_inner(), format!("a.{}", format.extension()));
         let sidecar = written.sidecar.map(|j| j.to_string().into_bytes());
-        let [cols, rows] = claimed_size(&name, &bytes, sidecar.as_deref(), &Limits::default()).unwrap();
+        let beside: Vec<_> = sidecar.iter().map(|bytes| Companion { name: "a.json", bytes }).collect();
+        let (reading, limits, watch) = (Reading::default(), Limits::default(), Watch::default());
+        let input = Input {
+            name: &name,
+            bytes: &bytes,
+            companions: &beside,
+            reading: &reading,
+            limits: &limits,
+            watch,
+        };
+        let claim = input.claim().unwrap();
+        let [cols, rows] = [claim.cols, claim.rows];
         assert_eq!([cols, rows], [size as u64; 2], "{format}");
         for cubic in [false, true] {
+            let (reading, limits, watch) = (Reading::default(), Limits::default(), Watch::default());
             let request = Request {
                 name: &name,
-                sidecar: sidecar.as_deref(),
-                encoding: Encoding::Auto,
+                companions: &beside,
+                reading: &reading,
                 closing: Closing::Smooth,
                 cubic,
             };
-            let (took, relief) = peak(|| Relief::new(&request, &bytes, &Limits::default()));
+            let (took, relief) = peak(|| Relief::new(&request, &bytes, &limits, watch));
             relief.unwrap();
-            let said = Relief::bytes(cols, rows, cubic);
+            let said = Relief::bytes(cols, rows, cubic).max(claim.bytes);
             assert!(took <= said + SMALL, "{format}, cubic {cubic}: says {said}, took {took}");
             println!("{format}, cubic {cubic}: {:.1} bytes a sample", took as f64 / (cols * rows) as f64);
         }

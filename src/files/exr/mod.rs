@@ -1,5 +1,6 @@
 //! OpenEXR: 32-bit float heights and pictures.
 
+mod choose;
 mod read;
 mod write;
 
@@ -12,7 +13,10 @@ pub(super) static CODEC: Codec = Codec {
     companions: &["json"],
     claim: read::claim,
     read: read::read,
-    reads: "f16 and f32, any compression of the `exr` crate; the channel `Y`, `Z`, `height` … or the first",
+    reads: "f16, f32, u32; any compression of the `exr` crate; parts, layers, tiles, the finest of several levels; the \
+            channel `height`, `elevation`, `Z`, `depth`, `Y` by what follows the last dot of its name, grey in `R`, `G`, \
+            `B`, the only one, or the one that `channel` names; never alpha. What the display window shows and holds no \
+            samples is void",
     metres: "yes",
     place: "from the sidecar",
 };

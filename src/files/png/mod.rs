@@ -2,6 +2,7 @@
 //!
 //! Reading leans on the `png` crate. Writing is our own, since that crate compresses on one thread.
 
+mod colors;
 mod read;
 mod write;
 
@@ -11,12 +12,13 @@ pub(super) static CODEC: Codec = Codec {
     name: "PNG",
     extensions: &["png"],
     magic: &[b"\x89PNG"],
-    companions: &["json"],
+    companions: &["json", "pgw", "prj"],
     claim: read::claim,
     read: read::read,
-    reads: "8 and 16 bits, grey; transparent pixels are voids. Terrarium tiles: `256 R + G + B / 256 - 32768`",
-    metres: "with a sidecar that gives the range, or as Terrarium; else plain numbers",
-    place: "from the sidecar",
+    reads: "8 and 16 bits, grey; transparent pixels are voids. Tiles of colours: Terrarium (`256 R + G + B / 256 - 32768`, \
+            known by its digits or by `encoding`) and Mapbox Terrain-RGB (`(65536 R + 256 G + B) / 10 - 10000`, by `encoding`)",
+    metres: "with a sidecar that gives the range, or as a tile of colours; else plain numbers",
+    place: "from the sidecar, or `.pgw` and `.prj`",
 };
 
 pub(super) static EIGHT: Form = Form {

@@ -1,23 +1,19 @@
 //! Reading: grey values, or Terrarium heights.
 
-use std::io::Cursor;
+use std::io::BufReader;
 
-use png::{BitDepth, ColorType, DecodingError, Transformations};
+use png::{BitDepth, ColorType, DecodingError, InterlaceInfo, Transformations};
 
 use super::super::error::Fault;
 use super::super::height::{Encoding, HeightFile, Limits, Origin, room};
 use super::super::input::{Claim, Input};
-use super::super::place::Placement;
-use super::CODEC;
-
-/// What Terrarium adds to a height, in metres.
-const TERRARIUM_OFFSET: f32 = 32768.0;
-/// Heights on Earth, in metres, with room: what makes sense as Terrarium.
-const ON_EARTH: [f32; 2] = [-12_000.0, 9_500.0];
+use super::super::world;
+use super::{CODEC, colors};
+use crate::source::Stream;
 
 /// What the header claims.
 pub(super) fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
-    let mut decoder = ::png::Decoder::new(Cursor::new(input.bytes));
+    let mut decoder = ::png::Decoder::new(BufReader::new(Stream::new(input.bytes)));
     let info = decoder.read_header_info().map_err(fault)?;
     let (cols, rows) = (u64::from(info.width), u64::from(info.height));
     input.limits.samples(cols, rows)?;
@@ -31,7 +27,7 @@ pub(super) fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
 
 /// Reads heights from a picture.
 pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
-    let mut decoder = ::png::Decoder::new(Cursor::new(input.bytes));
+    let mut decoder = ::png::Decoder::new(BufReader::new(Stream::new(input.bytes)));
     decoder.set_transformations(Transformations::EXPAND);
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
@@ -48,7 +44,14 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
         let size = reader.output_buffer_size().ok_or_else(|| Fault::damaged("a picture too large"))?;
         let mut whole = room(size)?;
         whole.resize(size, 0);
-        reader.next_frame(&mut whole).map_err(fault)?;
+        let (line, bits) =
+            (size / rows, 8 * color.samples() * if depth == BitDepth::Sixteen { 2 } else { 1 });
+        while let Some(row) = reader.next_interlaced_row().map_err(fault)? {
+            if let InterlaceInfo::Adam7(pass) = row.interlace() {
+                ::png::expand_interlaced_row(&mut whole, line, row.data(), pass, bits as u8);
+            }
+            input.watch.go_on()?;
+        }
         pixels.take(&whole);
     } else {
         let mut row = 0;
@@ -62,13 +65,19 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
         let found = pixels.data.len();
         return Err(Fault::Damaged(format!("{found} pixels of {total}")));
     }
-    let (data, terrarium) = pixels.finish()?;
-    let mut origin = Origin::new(&CODEC, if terrarium { "terrarium" } else { sample });
-    origin.plain = !terrarium;
+    let (data, colors) = pixels.finish(cols)?;
+    let sample = match colors {
+        None => sample,
+        Some(Encoding::TerrainRgb) => "terrain_rgb",
+        Some(_) => "terrarium",
+    };
+    let mut origin = Origin::new(&CODEC, sample);
+    origin.plain = colors.is_none();
     origin.bands = color.samples();
-    let mut file =
-        HeightFile { cols, rows, data, metres: terrarium, placement: Placement::default(), origin };
-    input.sidecar()?.apply(&mut file, (!terrarium).then_some(levels));
+    let metres = colors.is_some();
+    let placement = world::placement(input, [cols, rows], &mut origin.notes);
+    let mut file = HeightFile { cols, rows, data, metres, placement, origin };
+    input.sidecar()?.apply(&mut file, (!metres).then_some(levels));
     Ok(file)
 }
 
@@ -80,8 +89,9 @@ fn fault(e: DecodingError) -> Fault {
 struct Pixels {
     channels: usize,
     wide: bool,
-    /// Whether pixels are read as Terrarium; grey ones are turned back at the end where that was a guess.
-    terrarium: bool,
+    /// How colours hold heights; none where the grey value does.
+    colors: Option<Encoding>,
+    /// Whether that is a guess, which the whole picture is held against at the end.
     guess: bool,
     all_grey: bool,
     data: Vec<f32>,
@@ -91,22 +101,25 @@ impl Pixels {
     fn new(color: ColorType, depth: BitDepth, encoding: Encoding, total: usize) -> Result<Self, Fault> {
         let channels = color.samples();
         let wide = depth == BitDepth::Sixteen;
-        let colored = channels >= 3;
-        if encoding == Encoding::Terrarium && (!colored || wide) {
-            return Err(Fault::unsupported("a Terrarium tile has three channels of 8 bits"));
-        }
-        let terrarium = colored && !wide && encoding != Encoding::Grey;
-        let guess = terrarium && encoding == Encoding::Auto;
-        Ok(Self { channels, wide, terrarium, guess, all_grey: true, data: room(total)? })
+        let fits = channels >= 3 && !wide;
+        let colors = match encoding {
+            Encoding::Grey => None,
+            Encoding::Auto => fits.then_some(Encoding::Terrarium),
+            Encoding::Terrarium | Encoding::TerrainRgb if fits => Some(encoding),
+            Encoding::Terrarium | Encoding::TerrainRgb => {
+                return Err(Fault::unsupported("a tile of heights in colours has three channels of 8 bits"));
+            }
+        };
+        let guess = colors.is_some() && encoding == Encoding::Auto;
+        Ok(Self { channels, wide, colors, guess, all_grey: true, data: room(total)? })
     }
 
     fn take(&mut self, line: &[u8]) {
         let room = self.data.capacity() - self.data.len();
         if self.wide {
             let (words, _) = line.as_chunks::<2>();
-            let pixels = words.chunks_exact(self.channels).take(room);
             let of = |w: [u8; 2]| f32::from(u16::from_be_bytes(w));
-            for p in pixels {
+            for p in words.chunks_exact(self.channels).take(room) {
                 self.all_grey &= p.len() < 3 || (p[0] == p[1] && p[1] == p[2]);
                 let clear = p.len() % 2 == 0 && p[p.len() - 1] == [0, 0];
                 self.data.push(if clear { f32::NAN } else { of(p[0]) });
@@ -116,36 +129,31 @@ impl Pixels {
         for p in line.chunks_exact(self.channels).take(room) {
             self.all_grey &= p.len() < 3 || (p[0] == p[1] && p[1] == p[2]);
             let clear = p.len() % 2 == 0 && p[p.len() - 1] == 0;
-            let v = if self.terrarium {
-                f32::from(p[0]) * 256.0 + f32::from(p[1]) + f32::from(p[2]) / 256.0 - TERRARIUM_OFFSET
-            } else {
-                f32::from(p[0])
+            let v = match self.colors {
+                Some(encoding) => colors::metres(colors::number([p[0], p[1], p[2]]), encoding),
+                None => f32::from(p[0]),
             };
             self.data.push(if clear { f32::NAN } else { v });
         }
     }
 
-    /// The samples, and whether they are Terrarium metres.
-    fn finish(mut self) -> Result<(Vec<f32>, bool), Fault> {
-        let colored = self.channels >= 3;
+    /// The samples, and how colours held them.
+    fn finish(mut self, cols: usize) -> Result<(Vec<f32>, Option<Encoding>), Fault> {
         if self.guess && self.all_grey {
-            // A grey value v was taken for v (256 + 1 + 1 / 256) - 32768, which f32 holds exactly.
-            for v in &mut self.data {
-                *v = ((*v + TERRARIUM_OFFSET) / 257.003_9).round();
-            }
-            return Ok((self.data, false));
+            let grey = |v: &f32| if v.is_nan() { f32::NAN } else { f32::from(colors::color_of(*v)[0]) };
+            self.data.iter_mut().for_each(|v| *v = grey(v));
+            return Ok((self.data, None));
         }
-        if colored && !self.terrarium && !self.all_grey {
-            return Err(Fault::unsupported("a colour picture holds no heights"));
+        let doubt = match self.colors {
+            Some(_) if self.guess => colors::doubt(cols, &self.data),
+            None if !self.all_grey => Some("its channels differ".into()),
+            _ => None,
+        };
+        match doubt {
+            Some(why) => Err(Fault::Unsupported(format!(
+                "a colour picture holds no heights: {why}; `encoding` says it where it is a Terrarium or Terrain-RGB tile"
+            ))),
+            None => Ok((self.data, self.colors)),
         }
-        if self.guess {
-            let off = |v: &&f32| !v.is_nan() && !(ON_EARTH[0]..=ON_EARTH[1]).contains(*v);
-            if let Some(v) = self.data.iter().find(off) {
-                return Err(Fault::Unsupported(format!(
-                    "a colour picture that is no Terrarium tile either: it would be {v} m high"
-                )));
-            }
-        }
-        Ok((self.data, self.terrarium))
     }
 }

@@ -1,6 +1,9 @@
 //! Where a GeoTIFF lies: the tags of GeoTIFF 1.1 (OGC 19-008) and GDAL's own, both ways.
 
+use super::super::epsg::{self, Unit};
+use super::super::error::Fault;
 use super::super::place::{Affine, Anchor, Placement, Units};
+use super::gdal::Metadata;
 use super::ifd::Directory;
 use super::tag;
 
@@ -12,26 +15,30 @@ mod key {
     pub(super) const PROJECTED: u16 = 3072;
     pub(super) const LINEAR_UNITS: u16 = 3076;
     pub(super) const LINEAR_UNIT_SIZE: u16 = 3077;
+    pub(super) const VERTICAL: u16 = 4096;
     pub(super) const VERTICAL_UNITS: u16 = 4099;
 }
 
 /// "Given elsewhere in the file", as a code.
 const USER_DEFINED: u16 = 32767;
+/// Most numbers of geographic keys that are looked at.
+const MOST_KEYS: usize = 4096;
 
 /// The geographic keys of a file.
-struct Keys<'a, 'b> {
-    directory: &'a Directory<'b>,
+pub(super) struct Keys {
     entries: Vec<[u16; 4]>,
+    doubles: Vec<f64>,
 }
 
-impl<'a, 'b> Keys<'a, 'b> {
-    fn of(directory: &'a Directory<'b>) -> Self {
+impl Keys {
+    pub(super) fn of(directory: &Directory<'_>) -> Result<Self, Fault> {
         let shorts: Vec<u16> = directory
-            .numbers(tag::GEO_KEYS)
-            .map(|n| (0..n.len().min(4096)).filter_map(|i| n.get(i)).map(|v| v as u16).collect())
+            .numbers(tag::GEO_KEYS)?
+            .map(|n| (0..n.len().min(MOST_KEYS)).filter_map(|i| n.get(i)).map(|v| v as u16).collect())
             .unwrap_or_default();
         let (quads, _) = shorts.as_chunks::<4>();
-        Self { directory, entries: quads.iter().skip(1).copied().collect() }
+        let doubles = directory.doubles(tag::GEO_DOUBLES)?.unwrap_or_default();
+        Ok(Self { entries: quads.iter().skip(1).copied().collect(), doubles })
     }
 
     /// A code written in the key itself.
@@ -41,77 +48,100 @@ impl<'a, 'b> Keys<'a, 'b> {
 
     fn double(&self, key: u16) -> Option<f64> {
         let e = self.entries.iter().find(|e| e[0] == key && e[1] == tag::GEO_DOUBLES)?;
-        self.directory.doubles(tag::GEO_DOUBLES)?.get(usize::from(e[3])).copied()
+        self.doubles.get(usize::from(e[3])).copied()
+    }
+
+    /// The code of a system that is in the registry.
+    fn system(&self, key: u16) -> Option<u32> {
+        self.code(key).filter(|e| (1024..USER_DEFINED).contains(e)).map(u32::from)
+    }
+
+    /// Metres of the unit of projected coordinates: by its code, its size, or the system.
+    fn linear(&self) -> Option<f64> {
+        let size = || self.double(key::LINEAR_UNIT_SIZE).filter(|s| s.is_normal() && *s > 0.0);
+        let system = || match self.system(key::PROJECTED).and_then(epsg::horizontal) {
+            Some(Unit::Length(metres)) => Some(metres),
+            _ => None,
+        };
+        self.code(key::LINEAR_UNITS).and_then(epsg::metres).or_else(size).or_else(system)
     }
 }
 
-/// Metres of a unit of length, by its EPSG code.
-fn metres(unit: u16) -> Option<f64> {
-    Some(match unit {
-        9001 => 1.0,
-        9002 => 0.3048,
-        9003 => 1200.0 / 3937.0,
-        9036 => 1000.0,
-        _ => return None,
-    })
-}
-
 /// Where the samples of a file lie.
-pub(super) fn placement(directory: &Directory<'_>, size: [usize; 2]) -> Placement {
-    let keys = Keys::of(directory);
+pub(super) fn placement(
+    directory: &Directory<'_>,
+    keys: &Keys,
+    size: [usize; 2],
+) -> Result<Placement, Fault> {
     let anchor = if keys.code(key::RASTER_TYPE) == Some(2) { Anchor::Point } else { Anchor::Area };
-    let epsg =
-        keys.code(key::PROJECTED).or(keys.code(key::GEOGRAPHIC)).filter(|e| (1024..USER_DEFINED).contains(e));
-    let epsg = epsg.map(u32::from);
+    let epsg = keys.system(key::PROJECTED).or_else(|| keys.system(key::GEOGRAPHIC));
     let known = epsg.and_then(Units::of_epsg);
-    let Some(affine) = affine(directory, anchor) else {
-        return Placement { anchor, epsg, ..Placement::default() };
+    let Some(affine) = affine(directory, anchor)? else {
+        return Ok(Placement { anchor, epsg, ..Placement::default() });
     };
     let units = match keys.code(key::MODEL_TYPE) {
         Some(2) => Units::Degrees,
         Some(1) if known == Some(Units::WebMercator) => Units::WebMercator,
-        Some(1) => {
-            let size = keys.double(key::LINEAR_UNIT_SIZE).filter(|s| s.is_normal() && *s > 0.0);
-            Units::Length(keys.code(key::LINEAR_UNITS).and_then(metres).or(size).unwrap_or(1.0))
+        Some(1) => Units::Length(keys.linear().unwrap_or(1.0)),
+        _ => {
+            known.or_else(|| keys.linear().map(Units::Length)).unwrap_or_else(|| Units::guess(&affine, size))
         }
-        _ => known.unwrap_or_else(|| Units::guess(&affine, size)),
     };
-    Placement::new(affine, anchor, epsg, units, size)
+    let affine = if units == Units::Degrees { in_degrees(affine, keys) } else { affine };
+    Ok(Placement::new(affine, anchor, epsg, units, size))
+}
+
+/// Coordinates in grads, as old French maps have them, in degrees.
+fn in_degrees(affine: Affine, keys: &Keys) -> Affine {
+    let by_code = keys.code(key::ANGULAR_UNITS).and_then(epsg::unit);
+    let unit = by_code.or_else(|| keys.system(key::GEOGRAPHIC).and_then(epsg::horizontal));
+    if unit != Some(Unit::Grads) {
+        return affine;
+    }
+    let scaled = |v: [f64; 2]| v.map(|x| x * 0.9);
+    Affine { origin: scaled(affine.origin), col: scaled(affine.col), row: scaled(affine.row) }
 }
 
 /// The map from samples to coordinates.
-fn affine(directory: &Directory<'_>, anchor: Anchor) -> Option<Affine> {
+fn affine(directory: &Directory<'_>, anchor: Anchor) -> Result<Option<Affine>, Fault> {
     // Raster coordinates of an area count from its corner: the sample stands half a step inside.
     let half = if anchor == Anchor::Area { 0.5 } else { 0.0 };
-    let affine = match directory.doubles(tag::TRANSFORMATION).as_deref() {
+    let affine = match directory.doubles(tag::TRANSFORMATION)?.as_deref() {
         Some(&[a, b, _, x, d, e, _, y, ..]) => {
             let corner = Affine { origin: [x, y], col: [a, d], row: [b, e] };
             Affine { origin: corner.at(half, half), ..corner }
         }
         _ => {
             let (scale, tie) = (directory.doubles(tag::PIXEL_SCALE)?, directory.doubles(tag::TIE_POINTS)?);
-            let (&[dx, dy, ..], &[i, j, _, x, y, ..]) = (&scale[..], &tie[..]) else { return None };
+            let (Some(scale), Some(tie)) = (scale, tie) else { return Ok(None) };
+            let (&[dx, dy, ..], &[i, j, _, x, y, ..]) = (&scale[..], &tie[..]) else { return Ok(None) };
             Affine::upright([x + (half - i) * dx, y - (half - j) * dy], [dx, dy])
         }
     };
-    let all = affine.origin.iter().chain(&affine.col).chain(&affine.row);
-    let flat = affine.col == [0.0; 2] || affine.row == [0.0; 2];
-    (all.into_iter().all(|v| v.is_finite()) && !flat).then_some(affine)
+    Ok(affine.is_sound().then_some(affine))
 }
 
-/// Factor and summand that make metres of the samples: GDAL's scale and offset, the unit of the vertical datum.
-pub(super) fn scaling(directory: &Directory<'_>) -> (f64, f64) {
-    let xml = directory.text(tag::GDAL_METADATA).unwrap_or_default();
-    let item = |role: &str| {
-        let lines = xml.split("<Item ").filter(|i| i.contains(&format!("role=\"{role}\"")));
-        let mut first_band = lines.filter(|i| !i.contains("sample=\"") || i.contains("sample=\"0\""));
-        let value = first_band.next()?.split_once('>')?.1.split_once('<')?.0;
-        value.trim().parse::<f64>().ok().filter(|v| v.is_finite())
-    };
-    let (scale, offset) = (item("scale").unwrap_or(1.0), item("offset").unwrap_or(0.0));
-    let unit = Keys::of(directory).code(key::VERTICAL_UNITS).and_then(metres).unwrap_or(1.0);
-    (scale * unit, offset * unit)
+/// Metres of a unit of the heights: by GDAL's word of the band, by the keys of the vertical system, or by that system.
+pub(super) fn unit_of_heights(
+    keys: &Keys,
+    gdal: &Metadata,
+    band: usize,
+    notes: &mut Vec<String>,
+) -> Option<f64> {
+    if let Some(word) = gdal.unit(band) {
+        match epsg::metres_of_word(word) {
+            Some(metres) => return Some(metres),
+            None => notes.push(format!(
+                "the unit of its heights, \"{word}\", is not known: they are taken for metres"
+            )),
+        }
+    }
+    let system = || keys.system(key::VERTICAL).and_then(epsg::vertical);
+    keys.code(key::VERTICAL_UNITS).and_then(epsg::metres).or_else(system)
 }
+
+/// Metres of a US survey foot.
+const FOOT_US: f64 = 1200.0 / 3937.0;
 
 /// The tags that say where samples lie.
 #[derive(Debug, Default)]
@@ -168,6 +198,7 @@ impl Tags {
                 match placement.units {
                     Units::Length(1.0) | Units::WebMercator => keys.push([key::LINEAR_UNITS, 0, 1, 9001]),
                     Units::Length(0.3048) => keys.push([key::LINEAR_UNITS, 0, 1, 9002]),
+                    Units::Length(FOOT_US) => keys.push([key::LINEAR_UNITS, 0, 1, 9003]),
                     Units::Length(size) => {
                         keys.push([key::LINEAR_UNITS, 0, 1, USER_DEFINED]);
                         keys.push([key::LINEAR_UNIT_SIZE, tag::GEO_DOUBLES, 1, 0]);

@@ -1,0 +1,196 @@
+//! Headerless rasters with a text beside them that describes them: Esri's `.flt` and `.bil`, with a `.hdr`.
+
+use super::codec::Codec;
+use super::error::Fault;
+use super::flat::{Flat, Number, height};
+use super::height::{HeightFile, Origin};
+use super::input::{Claim, Input};
+use super::place::{Affine, Anchor, Placement};
+use super::{wkt, world};
+
+pub(super) static FLT: Codec = Codec {
+    name: "Esri float grid",
+    extensions: &["flt"],
+    magic: &[],
+    companions: &["hdr", "prj"],
+    claim: |input| claim(input, &FLT),
+    read: |input| read(input, &FLT),
+    reads: "32-bit floats, described by a `.hdr` beside them",
+    metres: "yes; the unit that a `.prj` gives heights is applied",
+    place: "from `.hdr`; EPSG code and unit from `.prj`",
+};
+
+pub(super) static BIL: Codec = Codec {
+    name: "Esri band file",
+    extensions: &["bil", "bip", "bsq"],
+    magic: &[],
+    companions: &["hdr", "prj", "blw"],
+    claim: |input| claim(input, &BIL),
+    read: |input| read(input, &BIL),
+    reads: "u8 i8 u16 i16 u32 i32 f32 f64 in either byte order, described by a `.hdr` beside them: bands, layout, bytes \
+            to skip; of several bands the first, or the one whose number `channel` gives",
+    metres: "yes; the unit that a `.prj` gives heights is applied",
+    place: "from `.hdr`; EPSG code and unit from `.prj`",
+};
+
+/// Longest header that is read, in bytes.
+const LONGEST: usize = 1 << 16;
+
+/// The words of a header and their values.
+struct Header {
+    words: Vec<(String, String)>,
+}
+
+impl Header {
+    fn of(input: &Input<'_>) -> Result<Self, Fault> {
+        let bytes = input.companion("hdr").ok_or_else(|| {
+            Fault::unsupported("it has no header of its own, and no .hdr of the same name stands beside it")
+        })?;
+        if bytes.len() > LONGEST {
+            return Err(Fault::Damaged(format!("a .hdr of {} bytes; the limit is {LONGEST}", bytes.len())));
+        }
+        let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)).into_owned();
+        let pair = |line: &str| {
+            let mut words = line.split_ascii_whitespace();
+            let key = words.next()?.trim_end_matches([':', '=']).to_ascii_lowercase();
+            let value = words.find(|w| *w != "=")?;
+            Some((key, value.to_owned()))
+        };
+        Ok(Self { words: text.lines().filter_map(pair).collect() })
+    }
+
+    fn word(&self, keys: &[&str]) -> Option<&str> {
+        self.words.iter().find(|(k, _)| keys.contains(&k.as_str())).map(|(_, v)| v.as_str())
+    }
+
+    fn number(&self, keys: &[&str]) -> Option<f64> {
+        let word = self.word(keys)?;
+        word.parse().ok().or_else(|| word.replacen(',', ".", 1).parse().ok())
+    }
+
+    /// A whole number that must make sense where it is there.
+    fn count(&self, keys: &[&str]) -> Result<Option<u64>, Fault> {
+        let Some(word) = self.word(keys) else { return Ok(None) };
+        let whole = word.parse::<f64>().ok().filter(|v| *v >= 0.0 && v.fract() == 0.0 && *v < 1e15);
+        match whole {
+            Some(v) => Ok(Some(v as u64)),
+            None => Err(Fault::Damaged(format!(
+                "`{}` of its .hdr must be a whole number, got \"{word}\"",
+                keys[0]
+            ))),
+        }
+    }
+
+    fn need(&self, key: &str) -> Result<u64, Fault> {
+        let found = self.count(&[key])?.filter(|n| *n > 0);
+        found.ok_or_else(|| Fault::Damaged(format!("its .hdr has no `{key}` above 0")))
+    }
+
+    /// The type of the numbers.
+    fn number_type(&self, codec: &Codec) -> Result<Number, Fault> {
+        let bits = self.count(&["nbits"])?;
+        let kind = self.word(&["pixeltype"]).unwrap_or_default().to_ascii_uppercase();
+        let (float, unsigned) = (kind.starts_with("FLOAT") || *codec == FLT, kind.starts_with("UNSIGNED"));
+        let default = if float { 32 } else { 8 };
+        Ok(match (bits.unwrap_or(default), float) {
+            (8, false) if kind.starts_with("SIGNED") => Number::I8,
+            (8, false) => Number::U8,
+            (16, false) if unsigned => Number::U16,
+            (16, false) => Number::I16,
+            (32, false) if unsigned => Number::U32,
+            (32, false) => Number::I32,
+            (32, true) => Number::F32,
+            (64, true) => Number::F64,
+            (bits, _) => {
+                return Err(Fault::Unsupported(format!("samples of {bits} bits and type \"{kind}\"")));
+            }
+        })
+    }
+
+    /// Where the numbers of a band lie.
+    fn flat(&self, codec: &Codec, band: u64, bands: u64) -> Result<Flat, Fault> {
+        let (cols, rows) = (self.need("ncols")?, self.need("nrows")?);
+        let number = self.number_type(codec)?;
+        let order = self.word(&["byteorder"]).unwrap_or("I").to_ascii_uppercase();
+        let big = order.starts_with('M') && order != "LSBFIRST";
+        let width = number.bytes();
+        let row = cols.saturating_mul(width);
+        let band_row = self.count(&["bandrowbytes"])?.unwrap_or(row);
+        let skip = self.count(&["skipbytes"])?.unwrap_or(0);
+        let layout = self.word(&["layout", "interleaving"]).unwrap_or("BIL").to_ascii_uppercase();
+        let total = self.count(&["totalrowbytes"])?;
+        let (step, line, first) = match layout.as_str() {
+            "BIP" => {
+                let step = width.saturating_mul(bands);
+                (step, total.unwrap_or(cols.saturating_mul(step)), band * width)
+            }
+            "BSQ" => {
+                let gap = self.count(&["bandgapbytes"])?.unwrap_or(0);
+                let plane = total.unwrap_or(row).saturating_mul(rows).saturating_add(gap);
+                (width, total.unwrap_or(row), plane.saturating_mul(band))
+            }
+            _ => (width, total.unwrap_or(band_row.saturating_mul(bands)), band_row.saturating_mul(band)),
+        };
+        Ok(Flat { cols, rows, number, big, skip: skip.saturating_add(first), step, line })
+    }
+
+    fn placement(&self, [cols, rows]: [usize; 2], system: Option<wkt::System>) -> Placement {
+        let cell = self.number(&["cellsize"]);
+        let Some((dx, dy)) = self.number(&["xdim"]).or(cell).zip(self.number(&["ydim"]).or(cell)) else {
+            return Placement::default();
+        };
+        // The map's own point is the middle of the north-west cell; a grid's that of the south-west, or its corner.
+        let down = dy * (rows - 1) as f64;
+        let west = self.number(&["xllcorner"]).map(|x| x + dx / 2.0).or(self.number(&["xllcenter"]));
+        let south = self.number(&["yllcorner"]).map(|y| y + dy / 2.0).or(self.number(&["yllcenter"]));
+        let west = self.number(&["ulxmap"]).or(west);
+        let north = self.number(&["ulymap"]).or(south.map(|y| y + down));
+        let (Some(west), Some(north)) = (west, north) else { return Placement::of_cell([dx, dy]) };
+        let affine = Affine::upright([west, north], [dx, dy]);
+        let centers = self.word(&["xllcenter"]).is_some();
+        let anchor = if centers { Anchor::Point } else { Anchor::Area };
+        if affine.is_sound() {
+            world::placed(affine, anchor, system, [cols, rows])
+        } else {
+            Placement::default()
+        }
+    }
+}
+
+/// Which band is read, of how many.
+fn band(input: &Input<'_>, header: &Header) -> Result<(u64, u64), Fault> {
+    let bands = header.count(&["nbands"])?.unwrap_or(1).max(1);
+    let Some(asked) = input.reading.channel.as_deref() else { return Ok((0, bands)) };
+    let number = asked.parse::<u64>().ok().filter(|n| (1..=bands).contains(n));
+    let unknown = || Fault::Channel { asked: asked.to_owned(), known: format!("bands 1 to {bands}") };
+    Ok((number.ok_or_else(unknown)? - 1, bands))
+}
+
+fn claim(input: &Input<'_>, codec: &Codec) -> Result<Claim, Fault> {
+    let header = Header::of(input)?;
+    let (band, bands) = band(input, &header)?;
+    let flat = header.flat(codec, band, bands)?;
+    flat.check(input)?;
+    Claim::new(input, [flat.cols, flat.rows], flat.line)
+}
+
+fn read(input: &Input<'_>, codec: &'static Codec) -> Result<HeightFile, Fault> {
+    let header = Header::of(input)?;
+    let (band, bands) = band(input, &header)?;
+    let flat = header.flat(codec, band, bands)?;
+    let nodata = header.number(&["nodata_value", "nodata"]);
+    let data = flat.read(input, height(nodata))?;
+    let (cols, rows) = (flat.cols as usize, flat.rows as usize);
+    let mut origin = Origin::new(codec, flat.number.name());
+    origin.nodata = nodata;
+    origin.bands = bands as usize;
+    if bands > 1 {
+        origin.notes.push(format!("{bands} bands, of which number {} is read", band + 1));
+    }
+    let system = world::system(input, &mut origin.notes);
+    let placement = header.placement([cols, rows], system);
+    let unit = wkt::metres_of_heights(system.as_ref());
+    let mut file = HeightFile { cols, rows, data, metres: true, placement, origin };
+    file.scale(unit, 0.0);
+    Ok(file)
+}
