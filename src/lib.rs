@@ -64,9 +64,11 @@ pub mod prelude {
     pub use serde::{Deserialize, Serialize};
 
     pub use crate::node::{
-        Context, Cost, Error, FileRequest, Meta, Node, Reach, Reads, Result, Row, Summarize, Summary,
+        Context, Cost, Error, FileRequest, Known, Meta, Node, Reach, Reads, Result, Row, Summarize, Summary,
     };
     pub use crate::ports;
     pub use crate::units::{Degrees, FilePath, Metres, Number, PerMetre, Ratio, Seed};
-    pub use crate::value::{Colors, Constraints, Curves, Field, Grid, Quantity, Raster, Terrain, Vectors};
+    pub use crate::value::{
+        Colors, Constraints, Curves, Field, Grid, Quantity, Raster, Terrain, Value, Vectors,
+    };
 }

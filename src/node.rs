@@ -17,7 +17,7 @@ pub use crate::context::{Cancel, Context, Row, SourceFile};
 use crate::ports::Ports;
 use crate::source::SourceError;
 use crate::value::curves::CurveError;
-use crate::value::{Grid, Terrain, WireType};
+use crate::value::{Grid, Terrain, Value, WireType};
 
 /// The result of a node.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -246,6 +246,9 @@ pub struct Meta {
     pub carries: &'static [(&'static str, &'static str)],
     /// One step for each version before the current.
     pub migrations: &'static [Migration],
+    /// Whether a gridless kind runs in no time, since its parameters and inputs hold what it gives: it is run when a
+    /// plan is made, so that the plan knows what those who read it cost.
+    pub quick: bool,
 }
 
 impl Meta {
@@ -260,7 +263,13 @@ impl Meta {
             mixes: pairs,
             carries: pairs,
             migrations: &[],
+            quick: false,
         }
+    }
+
+    /// Declares a gridless kind that runs in no time.
+    pub const fn quick(self) -> Self {
+        Self { quick: true, ..self }
     }
 
     /// With papers, as keys into `docs/references.bib`.
@@ -311,6 +320,9 @@ pub struct FileRequest {
     pub optional: bool,
 }
 
+/// The value at an input, where it is known before the node runs.
+pub type Known<'a> = &'a dyn Fn(&str) -> Option<Value>;
+
 /// Computes a [`Summary`] from the inputs on the base grid.
 pub type Summarize<N> = fn(&N, &Context<'_>, &<N as Node>::In) -> Result<Summary>;
 
@@ -348,6 +360,12 @@ pub trait Node:
     /// What a run on an output grid needs beyond inputs and outputs.
     fn cost(&self, grid: &Grid) -> Cost {
         Cost::per_sample(grid, 2.0)
+    }
+
+    /// What a run needs when some of its inputs are known: the values without a grid, by port.
+    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
+        let _ = known;
+        self.cost(grid)
     }
 
     /// Checks what the schema cannot say: parameters that must fit each other.

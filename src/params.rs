@@ -1,6 +1,8 @@
 //! Parameters as data: the JSON schema of a node's struct drives `--set`, the pages, the checks of the graph file
 //! and the editor's panel.
 
+pub mod page;
+
 use serde_json::{Map, Value as Json};
 
 use crate::node::{Error, Result};
@@ -21,6 +23,12 @@ pub struct Param {
     pub soft: Option<[f64; 2]>,
     /// How a panel shows it, where the shape does not say (`x-widget`).
     pub widget: Option<String>,
+    /// What the numbers of a list are, in turn: `east`, `south`, `height` (`x-items`).
+    pub items: Vec<String>,
+    /// How it may be written (`examples`).
+    pub example: Option<Json>,
+    /// Whether it must be there, as a member of an object or mode.
+    pub required: bool,
     /// The value it has when the file does not set it.
     pub default: Json,
 }
@@ -84,9 +92,12 @@ pub fn of_schema(root: &Json, defaults: &Json) -> Vec<Param> {
 fn fields(root: &Json, object: &Json, defaults: &Json) -> Vec<Param> {
     let Some(properties) = object["properties"].as_object() else { return Vec::new() };
     let text = |s: &Json, key: &str| s[key].as_str().map(str::to_owned);
+    let required =
+        |name: &str| object["required"].as_array().is_some_and(|all| all.iter().any(|n| n == name));
     let one = |(name, own): (&String, &Json)| {
         let target = resolve(root, own);
         let soft = own["x-soft"].as_array().and_then(|r| Some([r.first()?.as_f64()?, r.get(1)?.as_f64()?]));
+        let items = own["x-items"].as_array().into_iter().flatten().filter_map(Json::as_str);
         let default = defaults.get(name).or(own.get("default")).cloned().unwrap_or(Json::Null);
         Param {
             name: name.clone(),
@@ -95,6 +106,9 @@ fn fields(root: &Json, object: &Json, defaults: &Json) -> Vec<Param> {
             unit: text(own, "x-unit").or(text(target, "x-unit")),
             soft,
             widget: text(own, "x-widget").or(text(target, "x-widget")),
+            items: items.map(str::to_owned).collect(),
+            example: own["examples"].get(0).or(target["examples"].get(0)).cloned(),
+            required: required(name),
             default,
         }
     };

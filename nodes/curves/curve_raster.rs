@@ -61,6 +61,15 @@ impl Node for CurveRaster {
         Cost { bytes: raster::BESIDE, ..Cost::per_sample(grid, 15.0) }
     }
 
+    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
+        match known("curves") {
+            Some(Value::Curves(curves)) => {
+                Cost { seconds: raster::seconds(&curves, grid), ..self.cost(grid) }
+            }
+            _ => self.cost(grid),
+        }
+    }
+
     fn run(&self, cx: &Context<'_>, Inputs { curves }: Inputs) -> Result<Outputs> {
         let options = Options { feather: self.feather.0 };
         let stop = || cx.cancel.is_cancelled();

@@ -25,8 +25,19 @@ use crate::value::curves::CurveSpec;
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FeatureCurves {
-    /// The curves.
-    #[schemars(length(max = 4096), extend("x-widget" = "curves"))]
+    /// The curves. The line of each is one of `bezier`, `through` and `line`; of `height`, `slope`, `noise` and `envelope`
+    /// at least one is there.
+    #[schemars(
+        length(max = 4096),
+        extend(
+            "x-widget" = "curves",
+            "examples" = [[{
+                "name": "crest", "through": [1600, 4600, 3400, 3700, 6400, 4200],
+                "height": [0, 500, 0, 0.5, 1100, 20, 1, 650, 0], "slope": [0, 900, 700, -35, -40],
+                "noise": [0, 60, 0.3],
+            }]],
+        )
+    )]
     pub curves: Vec<CurveSpec>,
 }
 
@@ -41,7 +52,7 @@ ports! {
 impl Node for FeatureCurves {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta = Meta::new().cite(&["hnaidi2010", "weiss2015"]).keywords(&[
+    const META: Meta = Meta::new().quick().cite(&["hnaidi2010", "weiss2015"]).keywords(&[
         "draw",
         "spline",
         "bezier",
@@ -56,9 +67,16 @@ impl Node for FeatureCurves {
     }
 
     fn cost(&self, _: &Grid) -> Cost {
-        let numbers: usize =
-            self.curves.iter().map(|c| c.bezier.len() + c.through.len() + c.line.len()).sum();
-        Cost { bytes: 4096 * self.curves.len() as u64 + 64 * numbers as u64, seconds: numbers as f64 * 1e-6 }
+        let numbers = |c: &CurveSpec| {
+            let line = c.bezier.len() + c.through.len() + c.line.len();
+            line + c.height.len() + c.slope.len() + c.noise.len() + c.envelope.len()
+        };
+        let numbers: usize = self.curves.iter().map(numbers).sum();
+        let n = self.curves.len();
+        Cost {
+            bytes: 4096 * n as u64 + 64 * numbers as u64,
+            seconds: n as f64 * 2e-6 + numbers as f64 * 1e-6,
+        }
     }
 
     fn check(&self) -> Result<()> {

@@ -1,8 +1,8 @@
 //! Curves from a file.
 
-use crate::kit::curves::import::geojson::{self, Place};
-use crate::kit::curves::import::svg::{self, Fit};
-use crate::kit::curves::import::{Imported, Mapping};
+use crate::files::vectors::geojson::{self, Place};
+use crate::files::vectors::svg::{self, Fit};
+use crate::files::vectors::{Imported, Mapping};
 use crate::node::SourceFile;
 use crate::prelude::*;
 use crate::value::curves::CurveError;
@@ -12,21 +12,31 @@ const PARSING_SECONDS: f64 = 0.2e-6;
 
 /// Reads lines from an SVG picture or a GeoJSON file as feature curves.
 ///
-/// Of an SVG every path, line, polyline and polygon is taken; its view box is laid on the terrain. Of GeoJSON every
-/// `LineString` and `MultiLineString` is taken, with coordinates in metres to the east and north: on a terrain that
-/// lies on Earth in its own coordinate system, else from the terrain's north-west corner. The mapping says which
-/// property of a line gives which value of its curve; a list of numbers is spread evenly over the length. In SVG a
-/// property is an attribute `data-NAME` or `NAME`.
+/// Of an SVG every path and shape is taken, each subpath as a curve: `path`, `line`, `polyline`, `polygon`, `rect`,
+/// `circle`, `ellipse`, also where `use` draws them or an inner `svg` holds them. The page, as large as its `width` and
+/// `height` say in whatever unit, else its view box, is laid on the terrain. Of GeoJSON every `LineString` and
+/// `MultiLineString` is taken and every ring of a `Polygon` and `MultiPolygon`, with coordinates in metres to the east
+/// and north: on a terrain that lies on Earth in its own coordinate system, else from the terrain's north-west corner.
+/// The mapping says which property of a line gives which value of its curve; a list of numbers is spread evenly over the
+/// length. In SVG a property is an attribute `data-NAME` or `NAME` of the element, or of the `use` that draws it.
 ///
 /// # Limits
-/// A line of which nothing is set is left out, and so is what is no line; a warning says how many. Coordinates are taken for metres: a file in degrees must be
-/// projected first, or all its lines lie within some hundred metres.
+/// What cannot be a curve is left out: points, texts, lines without length, with broken data or on which nothing is set;
+/// a warning for each kind says how many and where the first stands. Nothing is reprojected: a file that says it is in
+/// degrees or in another coordinate system than the terrain is refused. Of the styles of a picture `display` and
+/// `visibility` count, style sheets do not, and nothing is clipped. No file beside this one is read. A file may have 64
+/// MiB, 1,048,576 positions and as many elements, and give 65,536 curves.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportCurves {
     /// The file: `.svg`, `.geojson` or `.json`.
     pub file: FilePath,
-    /// What the properties of lines become.
+    /// What the properties of lines become: for each value of the curves where it comes from.
+    #[schemars(extend("examples" = [{
+        "height": { "property": { "name": "elevation" } }, "left_extent": { "value": { "value": 300 } },
+        "right_extent": { "value": { "value": 300 } }, "left_angle": { "property": { "name": "slope", "factor": -1 } },
+        "right_angle": { "property": { "name": "slope", "factor": -1 } }, "amplitude": { "z": { "factor": 0.05 } },
+    }]))]
     pub mapping: Mapping,
     /// How a picture comes to lie on the terrain.
     pub fit: Fit,
@@ -60,8 +70,12 @@ ports! {
 impl Node for ImportCurves {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta =
-        Meta::new().reads(Reads::TERRAIN).keywords(&["svg", "geojson", "vector", "path", "line", "load"]);
+    // Version 2 reads shapes, `use`, units and rings, and lays the page on the terrain, not the view box: the parameters
+    // are as they were.
+    const META: Meta = Meta::new()
+        .reads(Reads::TERRAIN)
+        .keywords(&["svg", "geojson", "vector", "path", "line", "load"])
+        .migrations(&[|_| ()]);
 
     fn reach(&self) -> Reach {
         Reach::Gridless
@@ -93,31 +107,31 @@ impl Node for ImportCurves {
         let fault = |message: String| Error::File { parameter: "file", file: self.file.0.clone(), message };
         let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;
         let bytes = cx.stage(0.0, 0.2).read("file", file)?;
-        let text = std::str::from_utf8(&bytes).map_err(|e| fault(format!("is not UTF-8 text: {e}")))?;
-        let read = self.read(cx, text)?;
-        let Imported { curves, warnings } = read.map_err(|e| fault(e.to_string()))?;
+        let Imported { curves, warnings } = self.read(&cx.stage(0.2, 1.0), &bytes)?.map_err(|e| match e {
+            CurveError::Cancelled => Error::Cancelled,
+            other => fault(other.to_string()),
+        })?;
         warnings.into_iter().for_each(|warning| cx.warn(warning));
         Ok(Outputs { curves })
     }
 }
 
 impl ImportCurves {
-    fn read(&self, cx: &Context<'_>, text: &str) -> Result<Result<Imported, CurveError>> {
+    fn read(&self, cx: &Context<'_>, bytes: &[u8]) -> Result<Result<Imported, CurveError>> {
         let terrain = cx.terrain()?;
+        let go_on = |share: f32| {
+            cx.report(share);
+            !cx.cancel.is_cancelled()
+        };
         let lower = self.file.0.to_ascii_lowercase();
         if lower.ends_with(".svg") {
-            return Ok(svg::read(text, terrain.bounds(), self.fit, &self.mapping));
+            return Ok(svg::read(bytes, terrain.bounds(), self.fit, &self.mapping, &go_on));
         }
         if !(lower.ends_with(".geojson") || lower.ends_with(".json")) {
             let message = "must end in .svg, .geojson or .json".into();
             return Err(Error::File { parameter: "file", file: self.file.0.clone(), message });
         }
-        let place = Place {
-            origin: terrain.geo.map_or([0.0, 0.0], |g| [g.east, g.north]),
-            at: terrain.origin,
-            smooth: self.smooth,
-            spacing: self.spacing.0,
-        };
-        Ok(geojson::read(text, &place, &self.mapping))
+        let place = Place { smooth: self.smooth, spacing: self.spacing.0, ..Place::on(terrain) };
+        Ok(geojson::read(bytes, &place, &self.mapping, &go_on))
     }
 }

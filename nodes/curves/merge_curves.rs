@@ -35,7 +35,7 @@ ports! {
 impl Node for MergeCurves {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta = Meta::new().keywords(&["join", "append", "together", "union", "collect"]);
+    const META: Meta = Meta::new().quick().keywords(&["join", "append", "together", "union", "collect"]);
 
     fn reach(&self) -> Reach {
         Reach::Gridless
@@ -43,6 +43,17 @@ impl Node for MergeCurves {
 
     fn cost(&self, _: &Grid) -> Cost {
         Cost { bytes: 1 << 20, seconds: 1e-5 }
+    }
+
+    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
+        let of = |port: &str| match known(port) {
+            Some(Value::Curves(curves)) => curves.len(),
+            _ => 0,
+        };
+        let curves: usize = ["a", "b", "c", "d", "e", "f"].map(of).iter().sum();
+        let cost = self.cost(grid);
+        // A pointer for each, twice while they are collected.
+        Cost { bytes: cost.bytes + 32 * curves as u64, seconds: cost.seconds + curves as f64 * 5e-8 }
     }
 
     fn run(&self, _: &Context<'_>, input: Inputs) -> Result<Outputs> {

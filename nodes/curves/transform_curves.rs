@@ -11,7 +11,7 @@ use crate::prelude::*;
 #[serde(default, deny_unknown_fields)]
 pub struct TransformCurves {
     /// Way to the east and south.
-    #[schemars(inner(range(min = -1.0e7, max = 1.0e7)), extend("x-unit" = "m"))]
+    #[schemars(inner(range(min = -1.0e7, max = 1.0e7)), extend("x-unit" = "m", "x-items" = ["east", "south"]))]
     pub shift: [Metres; 2],
     /// Turn, clockwise on the map.
     #[schemars(range(min = -36_000.0, max = 36_000.0), extend("x-soft" = [-180.0, 180.0]))]
@@ -22,7 +22,7 @@ pub struct TransformCurves {
     /// Which sides change places.
     pub mirror: Mirror,
     /// The point that mirroring, scaling and turning leave where it is, from the middle of the terrain.
-    #[schemars(inner(range(min = -1.0e7, max = 1.0e7)), extend("x-unit" = "m"))]
+    #[schemars(inner(range(min = -1.0e7, max = 1.0e7)), extend("x-unit" = "m", "x-items" = ["east", "south"]))]
     pub pivot: [Metres; 2],
     /// Factor of heights and amplitudes.
     #[schemars(range(min = 0.0, max = 1000.0), extend("x-soft" = [0.0, 4.0]))]
@@ -61,7 +61,7 @@ impl Node for TransformCurves {
     type In = Inputs;
     type Out = Outputs;
     const META: Meta =
-        Meta::new().keywords(&["move", "rotate", "scale", "mirror", "flip"]).reads(Reads::TERRAIN);
+        Meta::new().quick().keywords(&["move", "rotate", "scale", "mirror", "flip"]).reads(Reads::TERRAIN);
 
     fn reach(&self) -> Reach {
         Reach::Gridless
@@ -69,6 +69,14 @@ impl Node for TransformCurves {
 
     fn cost(&self, _: &Grid) -> Cost {
         Cost { bytes: 8 << 20, seconds: 1e-3 }
+    }
+
+    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
+        let cost = self.cost(grid);
+        let Some(Value::Curves(curves)) = known("curves") else { return cost };
+        let pieces: usize = curves.iter().map(|c| c.pieces()).sum();
+        let seconds = cost.seconds + curves.len() as f64 * 2e-6 + pieces as f64 * 1e-6;
+        Cost { bytes: cost.bytes + 2 * curves.bytes(), seconds }
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { curves }: Inputs) -> Result<Outputs> {

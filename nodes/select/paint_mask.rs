@@ -15,7 +15,16 @@ use crate::prelude::*;
 #[serde(default, deny_unknown_fields)]
 pub struct PaintMask {
     /// The strokes, from the lowest to the uppermost.
-    #[schemars(length(max = 10_000), extend("x-widget" = "strokes"))]
+    #[schemars(
+        length(max = 10_000),
+        extend(
+            "x-widget" = "strokes",
+            "examples" = [[
+                { "path": [1500, 2000, 3000, 2400, 4200, 2100], "radius": 450 },
+                { "path": [2800, 2300], "radius": 200, "softness": 1, "strength": 0.5, "value": 0 },
+            ]],
+        )
+    )]
     pub strokes: Vec<Stroke>,
     /// Value where nothing is painted and no mask lies below.
     pub ground: Ratio,
@@ -74,11 +83,19 @@ impl Node for PaintMask {
                 None => vec![self.ground.0; xs.len()],
             };
             let mut near = Vec::new();
-            for (bounds, stroke) in &strokes {
+            for (k, (bounds, stroke)) in strokes.iter().enumerate() {
+                // Many strokes make a row long; what is left of it then is thrown away.
+                if k % PACE == PACE - 1 && cx.cancel.is_cancelled() {
+                    return;
+                }
                 stroke.paint(bounds, &xs, row.y, &mut values, &mut near);
             }
             out.iter_mut().zip(&values).for_each(|(o, v)| *o = v.clamp(0.0, 1.0) as f32);
         });
+        cx.check()?;
         Ok(Outputs { mask: mask? })
     }
 }
+
+/// Strokes of a row after which it is asked whether to stop.
+const PACE: usize = 16;

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::exit::{Exit, Stop, print, print_json};
 use crate::node::Kind;
 use crate::nodes::Registry;
-use crate::params::{Param, Shape};
+use crate::params::page::{Row, Section, rows, sections};
 use crate::ports::Port;
 use crate::whole::{self, Known};
 
@@ -94,9 +94,10 @@ pub(super) fn page(kind: &'static Kind) -> String {
     port_table(&mut page, "Inputs", &mut kind.inputs());
     port_table(&mut page, "Outputs", &mut kind.outputs.iter());
     if !kind.params().is_empty() {
-        page += "\n## Parameters\n\n| name | default | range | what it does |\n|:--|:--|:--|:--|\n";
-        kind.params().iter().for_each(|p| row(&mut page, "", p));
+        page += "\n## Parameters\n\n";
+        table(&mut page, &rows(kind.params()));
     }
+    sections(kind.params()).iter().for_each(|section| inside(&mut page, section));
     if !kind.meta.cite.is_empty() {
         let _ = write!(page, "\n## References\n\nKeys of [references.bib](../references.bib): ");
         let _ = writeln!(page, "{}.", kind.meta.cite.join(", "));
@@ -116,30 +117,22 @@ fn port_table(page: &mut String, head: &str, ports: &mut dyn Iterator<Item = &'s
     }
 }
 
-/// A row for a parameter, and rows for those of its modes.
-fn row(page: &mut String, prefix: &str, p: &Param) {
-    let unit = p.unit.as_deref().filter(|u| *u != "1").map(|u| format!(" {u}")).unwrap_or_default();
-    let default = if p.default.is_null() { String::new() } else { format!("`{}`{unit}", p.default) };
-    let name = format!("{prefix}{}", p.name);
-    let _ = writeln!(page, "| `{name}` | {default} | {} | {} |", range(&p.shape, &unit), cell(&p.doc));
-    if let Shape::Choice(modes) = &p.shape {
-        for mode in modes {
-            let _ = writeln!(page, "| `{name}: {}` | | | {} |", mode.name, cell(&mode.doc));
-            mode.fields.iter().for_each(|f| row(page, &format!("{name}.{}.", mode.name), f));
-        }
+fn table(page: &mut String, rows: &[Row]) {
+    *page += "| name | default | range | what it does |\n|:--|:--|:--|:--|\n";
+    for Row { name, default, range, doc } in rows {
+        let _ = writeln!(page, "| `{name}` | {default} | {range} | {} |", cell(doc));
     }
 }
 
-fn range(shape: &Shape, unit: &str) -> String {
-    match shape {
-        Shape::Number { min, max, .. } => format!("{min} to {max}{unit}"),
-        Shape::Flag => "true or false".into(),
-        Shape::Choice(modes) => modes.iter().map(|m| format!("`{}`", m.name)).collect::<Vec<_>>().join(" "),
-        Shape::List { min, max, .. } if min == max => format!("{min} values"),
-        Shape::List { min, max, .. } => format!("{min} to {max} items"),
-        Shape::Optional(inner) => format!("{}, or null", range(inner, unit)),
-        Shape::Text { .. } => "text".into(),
-        Shape::Tuple(_) | Shape::Record(_) | Shape::Unknown => String::new(),
+/// What stands in a list or an object.
+fn inside(page: &mut String, section: &Section) {
+    let _ = write!(page, "\n### In `{}`\n\n{}\n", section.name, section.form);
+    if !section.rows.is_empty() {
+        page.push('\n');
+        table(page, &section.rows);
+    }
+    if !section.example.is_null() {
+        let _ = write!(page, "\n```json\n{}\n```\n", section.example);
     }
 }
 

@@ -1,6 +1,7 @@
 //! The account of a plan: what tasks cost, what they leave, and the most memory they hold at once.
 
 use super::cache::Found;
+use super::foretell::Foretold;
 use super::plan::{Stage, Task, Wanted};
 use super::program::Step;
 use crate::node::Cost;
@@ -13,10 +14,10 @@ pub(super) struct Peak {
     pub task: usize,
 }
 
-pub(super) fn cost(step: &Step, stage: Stage, grid: &Grid, base: &Grid) -> Cost {
+pub(super) fn cost(step: &Step, stage: Stage, grid: &Grid, base: &Grid, foretold: &Foretold<'_>) -> Cost {
     match stage {
         Stage::Gridless | Stage::Run | Stage::Base => {
-            let own = step.node.cost(grid).and(step.reading());
+            let own = step.node.cost_with(grid, &|port| foretold.input(step, port)).and(step.reading());
             // Mixing and cropping hold a copy of what they mix.
             let mixed = step.kind.meta.mixes.len() as f64 * 3.0;
             if step.input(crate::ports::MASK.name).is_some() { own.with_fields(grid, mixed) } else { own }

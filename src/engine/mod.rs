@@ -12,6 +12,7 @@ mod cache;
 mod disk;
 mod error;
 mod files;
+mod foretell;
 mod key;
 mod lift;
 mod memory;
@@ -281,29 +282,56 @@ impl Engine {
         observer: &dyn Observer,
         cancel: &Cancel,
     ) -> Result<Evaluation, EngineError> {
+        let mut plan = self.plan(graph, wants);
+        self.know(graph, wants, &mut plan, observer, cancel)?;
+        let guessed = plan.guessed();
+        if guessed.is_empty() {
+            return self.evaluate_plan(graph, wants, plan, observer, cancel);
+        }
+        // What others cost hangs on the values of these: they run first, and the next plan finds their results.
+        self.admit(&plan)?;
+        let first = self.plan_of(graph, &guessed, plan.program.sources.clone(), Stock::All);
+        let first = self.evaluate_plan(graph, &guessed, first, observer, cancel)?;
+        let plan = self.plan_of(graph, wants, plan.program.sources.clone(), Stock::All);
+        let mut evaluation = self.evaluate_plan(graph, wants, plan, observer, cancel)?;
+        for task in first.tasks {
+            let same = |t: &&mut TaskReport| (&t.node, t.stage) == (&task.node, task.stage);
+            if let Some(again) = evaluation.tasks.iter_mut().find(same).filter(|t| t.cached.is_some()) {
+                *again = task;
+            }
+        }
+        Ok(evaluation)
+    }
+
+    /// Evaluates a plan in which the content of all files is known.
+    fn evaluate_plan(
+        &self,
+        graph: &Graph,
+        wants: &[Want],
+        mut plan: Plan,
+        observer: &dyn Observer,
+        cancel: &Cancel,
+    ) -> Result<Evaluation, EngineError> {
         let mut lost = 0;
         loop {
-            let mut plan = self.plan(graph, wants);
-            self.know(graph, wants, &mut plan, observer, cancel)?;
-            // Other processes may remove what a plan has found as quickly as it finds it.
-            if lost >= MOST_LOST {
-                plan = self.plan_of(graph, wants, plan.program.sources.clone(), Stock::Memory);
-            }
             self.admit(&plan)?;
             observer.planned(&plan);
             let spare = self.memory - self.reserve - plan.peak_bytes();
             // Half of what the tasks leave is for running ahead, half for keeping results and decoded files.
             self.store.limit(spare / 2, self.files.shelf());
             let threads = self.pool.current_num_threads();
-            let (plan, store, pool) = (&plan, &self.store, &self.pool);
+            let (store, pool, slack) = (&self.store, &self.pool, spare / 2);
             let abreast = threads.min(4);
-            let ran = run::Runner { plan, store, pool, observer, cancel, slack: spare / 2, abreast }.run();
+            let ran = run::Runner { plan: &plan, store, pool, observer, cancel, slack, abreast }.run();
             if cancel.is_cancelled() {
                 return Err(EngineError::Cancelled);
             }
             // The file that could not be used is not found again: the next plan computes what it should have held.
             if ran.lost {
                 lost += 1;
+                // Other processes may remove what a plan has found as quickly as it finds it.
+                let stock = if lost >= MOST_LOST { Stock::Memory } else { Stock::All };
+                plan = self.plan_of(graph, wants, plan.program.sources.clone(), stock);
                 continue;
             }
             let values = wants.iter().zip(ran.wanted);

@@ -9,9 +9,11 @@ use std::sync::Arc;
 use super::account::{Peak, cost, held_bytes, output_bytes, peak, uses};
 use super::cache::{Found, Stock, Store};
 use super::error::SharedFailure;
+use super::foretell::{Foretold, is_input};
 use super::key::Key;
 use super::program::{Program, Step};
 use crate::node::{Cost, Reach, SECONDS_PER_BYTE, SourceFile};
+use crate::ports::Wires;
 use crate::value::Grid;
 
 /// What a task does.
@@ -69,6 +71,8 @@ pub(super) struct Task {
     pub output_bytes: u64,
     pub found: Option<Found>,
     pub needs: Vec<(Role, usize)>,
+    /// It has no grid, and what it gives is not known before it runs.
+    pub guessed: bool,
 }
 
 impl Task {
@@ -217,6 +221,20 @@ impl Plan {
     /// Why each wanted value cannot be made, where that is known before anything runs.
     pub fn failures(&self) -> Vec<Option<SharedFailure>> {
         self.wanted.iter().map(|w| w.as_ref().err().cloned()).collect()
+    }
+
+    /// Values without a grid that are not known yet though what others cost hangs on them, each wanted where it stands.
+    pub(super) fn guessed(&self) -> Vec<super::Want> {
+        let read = self.tasks.iter().filter(|t| t.stage != Stage::Gridless && t.found.is_none());
+        let inputs =
+            read.flat_map(|t| t.needs.iter().filter(|(role, _)| is_input(role)).map(|(_, need)| *need));
+        let guessed: BTreeSet<usize> = inputs.filter(|i| self.tasks[*i].guessed).collect();
+        let want = |i: usize| {
+            let task = &self.tasks[i];
+            let port = self.step(task).kind.outputs.first()?.name;
+            Some(super::Want { node: self.program.node(task.step)?, port, grid: task.grid })
+        };
+        guessed.into_iter().filter_map(want).collect()
     }
 
     /// Bytes of results that are in memory before anything runs.
@@ -425,6 +443,7 @@ impl Planner<'_> {
         drafts.sort_by_key(|d| (d.step, d.stage));
         let mut results = Results::default();
         let mut tasks: Vec<Task> = Vec::with_capacity(drafts.len());
+        let mut foretold = Foretold::new(program);
         for draft in drafts {
             let Draft { step, stage, grid, key, found, asks } = draft;
             let needs = asks.into_iter().map(|(role, ask)| {
@@ -435,15 +454,17 @@ impl Planner<'_> {
                 (role, task)
             });
             let needs = needs.collect();
+            let known = foretold.take(step, stage, found.as_ref()).map(Wires::bytes);
+            let guessed = stage == Stage::Gridless && found.is_none() && known.is_none();
             let (cost, output_bytes) = match &program.steps[step] {
                 Ok(s) => (
-                    cost(s, stage, &grid, &program.terrain.base_grid()),
-                    output_bytes(s, stage, &grid, found.as_ref()),
+                    cost(s, stage, &grid, &program.terrain.base_grid(), &foretold),
+                    known.unwrap_or_else(|| output_bytes(s, stage, &grid, found.as_ref())),
                 ),
                 Err(_) => (Cost::default(), 0),
             };
             results.0.push((step, stage, grid, tasks.len()));
-            tasks.push(Task { step, stage, grid, key, cost, output_bytes, found, needs });
+            tasks.push(Task { step, stage, grid, key, cost, output_bytes, found, needs, guessed });
         }
         (tasks, results)
     }

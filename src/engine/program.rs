@@ -91,6 +91,11 @@ impl Program {
         self.index.get(&id).copied()
     }
 
+    /// The node of a step.
+    pub(super) fn node(&self, step: usize) -> Option<NodeId> {
+        self.index.iter().find(|(_, i)| **i == step).map(|(id, _)| *id)
+    }
+
     fn step(&self, graph: &Graph, id: NodeId) -> Result<Step, SharedFailure> {
         let graph_node = graph.node(id);
         let name = graph_node.name.clone();

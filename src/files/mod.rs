@@ -3,6 +3,7 @@
 //! [`Codec`] is the table of formats, a row each: how files are recognised, read and written. [`Input`] is a file with
 //! what lies beside it; [`read_height`] turns its bytes into heights and the place where they lie; [`encode`] turns a value of a graph into a file, and [`encode_file`] a file that was read
 //! into another format. Nothing here opens a path: bytes come in, and [`whole`](crate::whole) writes the files.
+//! [`vectors`] reads lines from SVG and `GeoJSON`.
 //!
 //! Every reader checks what a header claims against [`Limits`] and against the length of the file before it takes
 //! memory. Heights are `f32`; a void is NaN until [`fill_voids`] closes it.
@@ -36,6 +37,7 @@ mod sidecar;
 mod target;
 mod terragen;
 mod tiff;
+pub mod vectors;
 mod voids;
 mod watch;
 mod wkt;

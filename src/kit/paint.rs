@@ -17,19 +17,26 @@ use crate::value::{Bounds, Grid};
 #[serde(default, deny_unknown_fields)]
 pub struct Stroke {
     /// x, y of the points of its line, in metres; one point is a dab.
-    #[schemars(length(max = 8192), inner(range(min = -1e8, max = 1e8)), extend("x-unit" = "m"))]
+    #[schemars(
+        length(max = 8192),
+        inner(range(min = -1e8, max = 1e8)),
+        extend("x-unit" = "m", "x-items" = ["x", "y"])
+    )]
     pub path: Vec<f64>,
     /// Radius of the brush.
     #[schemars(range(min = 0.01, max = 1_000_000.0), extend("x-soft" = [10.0, 2000.0], "x-log" = true))]
     pub radius: Metres,
     /// How much of the radius is soft: 0 for a hard edge, 1 for a brush that is soft from its middle.
     #[serde(skip_serializing_if = "is_usual_softness")]
+    #[schemars(extend("default" = USUAL_SOFTNESS.0))]
     pub softness: Ratio,
     /// How far the stroke moves what lies below towards its value.
     #[serde(skip_serializing_if = "is_whole")]
+    #[schemars(extend("default" = 1.0))]
     pub strength: Ratio,
     /// What it paints: 1 adds to the mask, 0 takes away.
     #[serde(skip_serializing_if = "is_whole")]
+    #[schemars(extend("default" = 1.0))]
     pub value: Ratio,
 }
 
@@ -66,12 +73,25 @@ impl Stroke {
         Bounds::around(self.points().iter().copied()).map(|b| b.grown(self.radius.0))
     }
 
-    /// Samples of a grid that it touches, at most.
-    pub fn samples(&self, cell: f64) -> f64 {
-        let r = self.radius.0;
-        let apart = |w: &[[f64; 2]]| norm(sub(w[1], w[0]));
-        let long: f64 = self.points().windows(2).map(apart).sum();
-        (2.0 * r * long + std::f64::consts::PI * r * r) / (cell * cell)
+    /// Nanoseconds that painting it takes on a grid, by estimate. In every row that it may touch each of its segments is
+    /// looked at; the distance is worked out in the box around each segment, the weight in the box around all.
+    fn nanoseconds(&self, grid: &Grid) -> f64 {
+        let Some(bounds) = self.bounds() else { return 0.0 };
+        let window = grid.bounds();
+        let inside = |b: &Bounds| {
+            [0, 1].map(|k| {
+                let metres = b.max[k].min(window.max[k]) - b.min[k].max(window.min[k]);
+                if metres < 0.0 { 0.0 } else { metres / grid.cell() + 1.0 }
+            })
+        };
+        let [columns, rows] = inside(&bounds);
+        let points = self.points();
+        let segment = |w: &[[f64; 2]]| {
+            let box_of = Bounds::around(w.iter().copied()).map(|b| b.grown(self.radius.0));
+            box_of.map_or(0.0, |b| inside(&b).iter().product::<f64>())
+        };
+        let near: f64 = if points.len() < 2 { columns * rows } else { points.windows(2).map(segment).sum() };
+        grid.rows as f64 * 4.0 + rows * (40.0 + 2.0 * points.len() as f64) + 5.0 * near + 5.0 * columns * rows
     }
 
     /// Paints over a row of values at the places `xs` and `y`; `bounds` are the stroke's, `near` is scratch memory.
@@ -134,10 +154,9 @@ fn falloff(distance: f64, core: f64, radius: f64) -> f64 {
     1.0 - s * s * (3.0 - 2.0 * s)
 }
 
-/// Nanoseconds that painting takes on a grid, by estimate: about as many as segments are near each touched sample.
+/// Nanoseconds that painting strokes takes on a grid, by estimate.
 pub fn nanoseconds(strokes: &[Stroke], grid: &Grid) -> f64 {
-    let most = grid.len() as f64;
-    strokes.iter().map(|s| s.samples(grid.cell()).min(most) * 25.0).sum()
+    strokes.iter().map(|s| s.nanoseconds(grid)).sum()
 }
 
 /// The fewest of some points that keep a line within a tolerance of all of them \[douglas1973\].

@@ -38,8 +38,16 @@ pub enum Palette {
     Diverging,
     /// Stops of one's own.
     Custom {
-        /// Position and red, green and blue (sRGB encoded) of each stop; two at one position make a hard edge.
-        #[schemars(length(min = 1, max = 64), extend("x-widget" = "gradient"))]
+        /// Position and red, green and blue of each stop, all from 0 to 1, the colours sRGB encoded: 255 of a paint
+        /// program is 1 here. Two at one position make a hard edge.
+        #[schemars(
+            length(min = 1, max = 64),
+            extend(
+                "x-widget" = "gradient",
+                "x-items" = ["position", "red", "green", "blue"],
+                "examples" = [[[0.0, 0.1, 0.3, 0.1], [0.6, 0.55, 0.5, 0.45], [1.0, 1.0, 1.0, 1.0]]],
+            )
+        )]
         stops: Vec<[Ratio; 4]>,
     },
 }

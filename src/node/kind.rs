@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use schemars::Schema;
 use serde_json::{Map, Value as Json};
 
-use super::{Context, Cost, Error, FileRequest, Meta, Node, Reach, Result, SourceFile, Summary};
+use super::{Context, Cost, Error, FileRequest, Known, Meta, Node, Reach, Result, SourceFile, Summary};
 use crate::params::{self, Param};
 use crate::ports::{self, Port, Ports, Wires};
 use crate::value::{Grid, Terrain};
@@ -21,6 +21,8 @@ pub trait AnyNode: Debug + Send + Sync {
     fn uses(&self, port: &str) -> bool;
     /// See [`Node::cost`].
     fn cost(&self, grid: &Grid) -> Cost;
+    /// See [`Node::cost_with`].
+    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost;
     /// See [`Node::check`].
     ///
     /// # Errors
@@ -60,6 +62,9 @@ impl<N: Node> AnyNode for N {
     }
     fn cost(&self, grid: &Grid) -> Cost {
         Node::cost(self, grid)
+    }
+    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
+        Node::cost_with(self, grid, known)
     }
     fn check(&self) -> Result<()> {
         Node::check(self)

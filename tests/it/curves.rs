@@ -1,7 +1,6 @@
-//! Tests of feature curves: the model, the raster, import.
+//! Tests of feature curves: the model, the raster.
 
 mod edit;
-mod import;
 mod land;
 mod model;
 mod nodes;

@@ -30,6 +30,7 @@ use crate::editor::shown;
 use crate::graph::{Exposed, Graph, NodeId};
 use crate::node::Kind;
 use crate::params::Param;
+use crate::params::page::{Section, sections};
 use value::{Edited, Field};
 
 /// What the panel works with for a frame.
@@ -121,7 +122,21 @@ fn page(ui: &mut Ui, kind: &'static Kind) {
                 None => ui.label(part.replace('\n', " ")),
             };
         }
+        sections(kind.params()).iter().for_each(|section| inside(ui, section));
     });
+}
+
+/// What stands in a list or an object.
+fn inside(ui: &mut Ui, section: &Section) {
+    ui.strong(format!("In {}", section.name));
+    ui.label(&section.form);
+    for row in &section.rows {
+        let range = if row.range.is_empty() { String::new() } else { format!(" ({})", row.range) };
+        ui.label(format!("{}{range}: {}", row.name, row.doc).replace('`', ""));
+    }
+    if !section.example.is_null() {
+        ui.monospace(section.example.to_string());
+    }
 }
 
 /// The name of a node, to be changed by typing.

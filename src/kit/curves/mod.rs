@@ -1,7 +1,6 @@
-//! Work on feature curves: short forms, import, transformation and the raster that diffusion starts from.
+//! Work on feature curves: short forms, transformation and the raster that diffusion starts from.
 
 pub mod flatten;
-pub mod import;
 pub mod raster;
 pub mod short;
 pub mod transform;

@@ -144,7 +144,7 @@ macro_rules! short_form {
         impl Node for $kind {
             type In = Inputs;
             type Out = Outputs;
-            const META: Meta = Meta::new().cite(&["hnaidi2010"]).keywords(&$keywords);
+            const META: Meta = Meta::new().quick().cite(&["hnaidi2010"]).keywords(&$keywords);
 
             fn reach(&self) -> Reach {
                 Reach::Gridless

@@ -290,6 +290,12 @@ impl Curve {
         t.places().into_iter().map(one).collect()
     }
 
+    /// How far from it what it says may hold, at most: plateau, slope and smoothed strip together, in metres.
+    pub fn reach(&self) -> f64 {
+        let (plateau, beside) = self.tracks.widths();
+        plateau + beside[0].max(beside[1])
+    }
+
     /// Bytes in memory.
     pub fn bytes(&self) -> u64 {
         let keys = self.tracks.places().len();
@@ -299,6 +305,18 @@ impl Curve {
 }
 
 impl Tracks {
+    /// The widest plateau to one side, and the most that slope and smoothed strip together reach beyond it on the left
+    /// and on the right, in metres.
+    pub fn widths(&self) -> (f64, [f64; 2]) {
+        let widest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let plateau = widest(&mut self.elevation.iter().flat_map(Track::keys).map(|(_, v)| v[1]));
+        let beside = std::array::from_fn(|side| {
+            let slope = widest(&mut self.slope.iter().flat_map(Track::keys).map(|(_, v)| v[side]));
+            slope + widest(&mut self.envelope.iter().flat_map(Track::keys).map(|(_, v)| v[side]))
+        });
+        (plateau, beside)
+    }
+
     /// Every `u` at which a group is set, rising.
     pub fn places(&self) -> Vec<f64> {
         let us =

@@ -21,35 +21,64 @@ pub struct CurveSpec {
     pub name: String,
     /// Cubic pieces: x, y of the start, then of two handles and the end of each piece; x east and y south, metres.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(max = 98_306), inner(range(min = -1e8, max = 1e8)), extend("x-unit" = "m"))]
+    #[schemars(
+        length(max = 98_306),
+        inner(range(min = -1e8, max = 1e8)),
+        extend("x-unit" = "m", "x-items" = ["x", "y"])
+    )]
     pub bezier: Vec<f64>,
     /// x, y of points that a smooth curve goes through, in metres.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(max = 32_770), inner(range(min = -1e8, max = 1e8)), extend("x-unit" = "m"))]
+    #[schemars(
+        length(max = 32_770),
+        inner(range(min = -1e8, max = 1e8)),
+        extend("x-unit" = "m", "x-items" = ["x", "y"])
+    )]
     pub through: Vec<f64>,
     /// x, y of the corners of a line of straight pieces, in metres.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(max = 32_770), inner(range(min = -1e8, max = 1e8)), extend("x-unit" = "m"))]
+    #[schemars(
+        length(max = 32_770),
+        inner(range(min = -1e8, max = 1e8)),
+        extend("x-unit" = "m", "x-items" = ["x", "y"])
+    )]
     pub line: Vec<f64>,
     /// Elevation: u, height, radius of the plateau; u, height, radius; …
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(max = 12_288), inner(range(min = -1e5, max = 1e6)), extend("x-unit" = "m"))]
+    #[schemars(
+        length(max = 12_288),
+        inner(range(min = -1e5, max = 1e6)),
+        extend("x-unit" = "m", "x-items" = ["u", "height", "radius"])
+    )]
     pub height: Vec<f64>,
     /// Slope: u, extent to the left, to the right, angle on the left, on the right (degrees, positive where the ground
     /// rises away from the curve); …
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(max = 20_480), inner(range(min = -89.0, max = 1e6)), extend("x-unit" = "m"))]
+    #[schemars(
+        length(max = 20_480),
+        inner(range(min = -89.0, max = 1e6)),
+        extend("x-unit" = "m", "x-items" = ["u", "left extent", "right extent", "left angle", "right angle"])
+    )]
     pub slope: Vec<f64>,
     /// Noise: u, amplitude, roughness (0 to 1); …
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(max = 12_288), inner(range(min = 0.0, max = 1e5)), extend("x-unit" = "m"))]
+    #[schemars(
+        length(max = 12_288),
+        inner(range(min = 0.0, max = 1e5)),
+        extend("x-unit" = "m", "x-items" = ["u", "amplitude", "roughness"])
+    )]
     pub noise: Vec<f64>,
     /// Smoothed strip beyond the slopes: u, width to the left, to the right; …
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(max = 12_288), inner(range(min = 0.0, max = 1e6)), extend("x-unit" = "m"))]
+    #[schemars(
+        length(max = 12_288),
+        inner(range(min = 0.0, max = 1e6)),
+        extend("x-unit" = "m", "x-items" = ["u", "left width", "right width"])
+    )]
     pub envelope: Vec<f64>,
     /// How the height goes from point to point.
     #[serde(skip_serializing_if = "is_default")]
+    #[schemars(extend("default" = "monotone"))]
     pub rise: Rise,
 }
 

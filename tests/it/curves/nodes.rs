@@ -84,3 +84,20 @@ fn curves_are_no_output() {
     let said = g.output_source("lines").unwrap_err().to_string();
     assert!(said.contains("must be a field, vectors or colours, `lines.curves` is curves"), "{said}");
 }
+
+#[test]
+fn the_graph_of_the_manual_is_faultless_and_rises() {
+    let manual = include_str!("../../../docs/curves.md");
+    let text = manual.split("```json\n").find(|block| block.contains("\"orograph\"")).expect("a graph");
+    let text = text.split("```").next().expect("its end");
+    let graph = Graph::from_bytes(text.as_bytes(), &orograph::nodes::Registry::standard()).expect("a graph");
+    assert!(graph.problems().is_empty(), "{:?}", graph.problems());
+    let source = graph.output_source("height").expect("an output");
+    let grid = graph.terrain().grid(129).expect("a grid");
+    let want = Want { node: source.node, port: source.port, grid };
+    let all =
+        crate::fed::engine(2).evaluate(&graph, &[want], &Unobserved, &Cancel::default()).expect("values");
+    let Ok(Value::Field(field)) = &all.values[0] else { panic!("{:?}", all.values[0]) };
+    let (low, high) = field.range().expect("samples");
+    assert!(low < 150.0 && high > 900.0, "{low} to {high}");
+}

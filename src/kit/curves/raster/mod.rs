@@ -42,6 +42,7 @@
 //! cell size. Memory is bounded ([`BESIDE`]): where the parts of all rows are too many at once, rows are filled in turn.
 
 mod cell;
+mod cost;
 mod ribbon;
 mod shape;
 mod stock;
@@ -51,6 +52,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+pub use self::cost::seconds;
 use self::stock::Stock;
 use self::tile::{Band, Bins, Tiles};
 use crate::value::curves::CurveError;
@@ -142,16 +144,13 @@ impl Job<'_> {
         let tiles = Tiles::of(bands, grid);
         let stock = Stock::new(&self.blocks, grid.cell(), &tiles.window(grid), self.stop)?;
         let ready = &stock.curves;
-        let strips = Bins::new(grid, &tiles, ready.iter().map(|(r, _)| r.parts.iter().map(|p| &p.shape)))?;
-        let rims = Bins::new(grid, &tiles, ready.iter().map(|(_, r)| r.iter().map(|r| &r.shape)))?;
+        let strips = ready.iter().map(|(r, _)| r.parts.iter().map(|p| &p.shape));
+        let strips = Bins::new(grid, &tiles, strips, self.stop)?;
+        let rims = Bins::new(grid, &tiles, ready.iter().map(|(_, r)| r.iter().map(|r| &r.shape)), self.stop)?;
         let per_cell = 1.0 / grid.cell();
-        let scene = tile::Scene { grid, per_cell, xs, ys, ready, strips: &strips, rims: &rims, options };
-        bands.par_iter_mut().try_for_each(|band| {
-            if (self.stop)() {
-                return Err(CurveError::Cancelled);
-            }
-            scene.band(band);
-            Ok(())
-        })
+        let stop = self.stop;
+        let scene =
+            tile::Scene { grid, per_cell, xs, ys, ready, strips: &strips, rims: &rims, options, stop };
+        bands.par_iter_mut().try_for_each(|band| scene.band(band))
     }
 }

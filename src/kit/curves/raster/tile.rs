@@ -12,10 +12,22 @@ use crate::value::{Grid, Mark, Planes};
 const SIDE: usize = 32;
 
 /// Most parts in all tiles together, at once; 8 bytes each, and as much again while their lists grow.
-const MAX_BINNED: usize = 1 << 18;
+pub(super) const MAX_BINNED: usize = 1 << 18;
 
 /// The number of a curve and of one of its parts.
 type Entry = (u32, u32);
+
+/// Parts of curves in a tile after which it is asked whether to stop: some milliseconds of work.
+const PACE: usize = 64;
+
+/// Asked now and then whether to give up.
+pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// # Errors
+/// When the work was asked to stop.
+fn check(stop: Stop<'_>) -> Result<(), CurveError> {
+    if stop() { Err(CurveError::Cancelled) } else { Ok(()) }
+}
 
 /// Some rows of tiles.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +65,7 @@ impl Bins {
         grid: &Grid,
         of: &Tiles,
         curves: impl Iterator<Item = P>,
+        stop: Stop<'_>,
     ) -> Result<Self, CurveError>
     where
         P: Iterator<Item = &'a Shape>,
@@ -63,6 +76,7 @@ impl Bins {
         let (origin, step) = ([grid.x(0), grid.y(first * SIDE)], SIDE as f64 * grid.cell());
         let last = (SIDE - 1) as f64 * grid.cell();
         for (c, parts) in curves.enumerate() {
+            check(stop)?;
             for (p, shape) in parts.enumerate() {
                 let range = |k: usize, tiles: usize| {
                     let at = shape.from[k] - origin[k];
@@ -194,6 +208,7 @@ pub(super) struct Scene<'a> {
     pub(super) strips: &'a Bins,
     pub(super) rims: &'a Bins,
     pub(super) options: &'a Options,
+    pub(super) stop: Stop<'a>,
 }
 
 /// Where a tile stands in its band.
@@ -262,29 +277,43 @@ impl Desk {
 
 impl Scene<'_> {
     /// Fills a band, tile by tile.
-    pub(super) fn band(&self, band: &mut Band<'_>) {
+    ///
+    /// # Errors
+    /// When the work was asked to stop.
+    pub(super) fn band(&self, band: &mut Band<'_>) -> Result<(), CurveError> {
         let mut desk = Desk::new();
         for t in 0..self.grid.cols.div_ceil(SIDE) {
+            check(self.stop)?;
             let column = t * SIDE;
             let columns = SIDE.min(self.grid.cols - column);
             let place = Place { row: band.number * SIDE, rows: band.rows, column, columns };
             for curve in self.strips.at(band.number, t).chunk_by(|a, b| a.0 == b.0) {
-                self.curve(curve, &place, &mut desk, band);
+                self.curve(curve, &place, &mut desk, band)?;
             }
             for i in desk.touched.drain(..).map(usize::from) {
                 let out = std::mem::take(&mut desk.outcomes[i]);
                 band.strict(place.index(i, self.grid.cols), &out);
             }
-            self.envelope(self.rims.at(band.number, t), &place, band);
+            self.envelope(self.rims.at(band.number, t), &place, band)?;
         }
+        Ok(())
     }
 
     /// Goes through the parts of one curve in a tile.
-    fn curve(&self, entries: &[Entry], place: &Place, desk: &mut Desk, band: &mut Band<'_>) {
-        let Some(&(number, _)) = entries.first() else { return };
+    fn curve(
+        &self,
+        entries: &[Entry],
+        place: &Place,
+        desk: &mut Desk,
+        band: &mut Band<'_>,
+    ) -> Result<(), CurveError> {
+        let Some(&(number, _)) = entries.first() else { return Ok(()) };
         let (ribbon, _) = &self.ready[number as usize];
         let slack = SLACK * self.grid.cell();
-        for &(_, p) in entries {
+        for (k, &(_, p)) in entries.iter().enumerate() {
+            if k % PACE == PACE - 1 {
+                check(self.stop)?;
+            }
             let part = &ribbon.parts[p as usize];
             let visit = |i: usize, at: [f64; 2]| {
                 // Nearly all cells lie right beside a segment, on its slope.
@@ -328,6 +357,7 @@ impl Scene<'_> {
             }
             *nearest = Nearest::NOTHING;
         }
+        Ok(())
     }
 
     /// Visits the cells of a tile that a shape may cover, in scan lines along axis `U`: index in the tile and position
@@ -365,10 +395,13 @@ impl Scene<'_> {
     }
 
     /// Raises the envelope's weight to the largest that any part gives.
-    fn envelope(&self, entries: &[Entry], place: &Place, band: &mut Band<'_>) {
-        let Some(plane) = &mut band.envelope else { return };
+    fn envelope(&self, entries: &[Entry], place: &Place, band: &mut Band<'_>) -> Result<(), CurveError> {
+        let Some(plane) = &mut band.envelope else { return Ok(()) };
         let slack = SLACK * self.grid.cell();
-        for &(c, p) in entries {
+        for (k, &(c, p)) in entries.iter().enumerate() {
+            if k % PACE == PACE - 1 {
+                check(self.stop)?;
+            }
             let rim = &self.ready[c as usize].1[p as usize];
             let visit = |i: usize, p: [f64; 2]| {
                 let at = place.index(i, self.grid.cols);
@@ -381,5 +414,6 @@ impl Scene<'_> {
                 self.scan::<1>(&rim.shape, place, visit);
             }
         }
+        Ok(())
     }
 }

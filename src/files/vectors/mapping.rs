@@ -6,9 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::units::Number;
 use crate::value::Curve;
 use crate::value::curves::bezier::Point;
-use crate::value::curves::{
-    ConstraintPoint, CurveError, Elevation, Envelope, Fault, MAX_POINTS, Noise, Rise, Slope,
-};
+use crate::value::curves::{ConstraintPoint, Elevation, Envelope, Fault, MAX_POINTS, Noise, Rise, Slope};
 
 /// Where a value of the constraints comes from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -87,8 +85,14 @@ pub(super) struct Line<'a> {
     pub(super) z: Vec<(f64, f64)>,
     /// The property of a name; what is wrong with it when it is there and no number.
     pub(super) property: &'a dyn Fn(&str) -> Result<Option<Property>, String>,
-    /// What the line is called in messages.
-    pub(super) place: String,
+}
+
+/// Why a line gives no curve.
+pub(super) enum Refusal {
+    /// A property that the mapping names cannot be used.
+    Property(String),
+    /// No curve may be like this.
+    Curve(String),
 }
 
 /// Values at rising shares of the length.
@@ -96,9 +100,8 @@ type Values = Vec<(f64, f64)>;
 
 impl Mapping {
     /// The curve of a line; `None` when nothing is set on it.
-    pub(super) fn curve(&self, line: Line<'_>) -> Result<Option<Curve>, CurveError> {
-        let bad = |message: String| CurveError::file(line.place.clone(), message);
-        let get = |source: &Source| line.values(source).map_err(bad);
+    pub(super) fn curve(&self, line: Line<'_>) -> Result<Option<Curve>, Refusal> {
+        let get = |source: &Source| line.values(source).map_err(Refusal::Property);
         let (height, radius) = (get(&self.height)?, get(&self.radius)?);
         let slope = [&self.left_extent, &self.right_extent, &self.left_angle, &self.right_angle];
         let [a, b, left, right] = [get(slope[0])?, get(slope[1])?, get(slope[2])?, get(slope[3])?];
@@ -139,13 +142,32 @@ impl Mapping {
         if points.is_empty() {
             return Ok(None);
         }
-        let made = Curve::new(short_name(&line.name), line.knots, &points, Rise::Monotone);
-        made.map(Some).map_err(|Fault(message)| CurveError::file(line.place, message))
+        let made = Curve::new(line.name, line.knots, &points, Rise::Monotone);
+        made.map(Some).map_err(|Fault(message)| Refusal::Curve(message))
     }
-}
 
-fn short_name(name: &str) -> String {
-    super::short(name)
+    /// The properties that it reads.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.sources().into_iter().filter_map(|source| match source {
+            Source::Property { name, .. } => Some(name.as_str()),
+            Source::None | Source::Z { .. } | Source::Value { .. } => None,
+        })
+    }
+
+    fn sources(&self) -> [&Source; 10] {
+        [
+            &self.height,
+            &self.radius,
+            &self.left_extent,
+            &self.right_extent,
+            &self.left_angle,
+            &self.right_angle,
+            &self.amplitude,
+            &self.roughness,
+            &self.left_blend,
+            &self.right_blend,
+        ]
+    }
 }
 
 impl Line<'_> {

@@ -1,0 +1,66 @@
+//! Values without a grid that are known while a plan is made.
+//!
+//! What rasterising curves takes hangs on the curves, so a plan that did not know them could promise nothing. Kinds that
+//! say they are quick, since their parameters hold what they give, are run when the plan is made and their values used
+//! for nothing but the costs of those who read them. What hangs on the content of a file is not known then: an
+//! evaluation runs it first, and plans again.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::cache::Found;
+use super::plan::{Role, Stage};
+use super::program::{Program, Step};
+use crate::node::{Cancel, Context};
+use crate::ports::Wires;
+use crate::value::{Grid, Value};
+
+/// The values of steps that have no grid, as far as they are known.
+pub(super) struct Foretold<'a> {
+    program: &'a Program,
+    steps: Vec<Option<Wires>>,
+}
+
+impl<'a> Foretold<'a> {
+    pub(super) fn new(program: &'a Program) -> Self {
+        Self { program, steps: vec![None; program.steps.len()] }
+    }
+
+    /// Takes up a step whose inputs were taken up before: its values where they are known.
+    pub(super) fn take(&mut self, i: usize, stage: Stage, found: Option<&Found>) -> Option<&Wires> {
+        let Ok(step) = &self.program.steps[i] else { return None };
+        if stage == Stage::Gridless && self.steps[i].is_none() {
+            self.steps[i] = match found {
+                Some(Found::Memory(given, _)) => given.wires().cloned(),
+                Some(Found::Disk(_)) => None,
+                None => self.run(step),
+            };
+        }
+        self.steps[i].as_ref()
+    }
+
+    /// The value at an input of a step, where it is known.
+    pub(super) fn input(&self, step: &Step, port: &str) -> Option<Value> {
+        let input = step.input(port)?;
+        self.steps[input.step].as_ref()?.get(input.from).cloned()
+    }
+
+    /// What a quick step gives; nothing where an input is not known, or it fails, which its run will say.
+    fn run(&self, step: &Step) -> Option<Wires> {
+        if !step.kind.meta.quick || !step.files.is_empty() {
+            return None;
+        }
+        let inputs = step.inputs.iter().map(|i| Some((i.port, self.input(step, i.port)?)));
+        let wires: Wires = inputs.collect::<Option<_>>()?;
+        let cancel = Cancel::default();
+        let cx = Context {
+            reads: step.kind.meta.reads,
+            ..Context::bare(Grid::NOWHERE, &self.program.terrain, &cancel)
+        };
+        catch_unwind(AssertUnwindSafe(|| step.node.run(&cx, wires))).ok()?.ok()
+    }
+}
+
+/// Whether a role is that of a value the task itself works on.
+pub(super) fn is_input(role: &Role) -> bool {
+    matches!(role, Role::Input { .. })
+}
