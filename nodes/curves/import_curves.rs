@@ -95,8 +95,11 @@ impl Node for ImportCurves {
 
     fn reading(&self, files: &[std::sync::Arc<SourceFile>]) -> Cost {
         let content = Cost::of_reading(files);
-        // The tree of a text and the curves of its numbers: some tens of times as large as the text.
-        let bytes = content.bytes.saturating_mul(32).saturating_add(1 << 20);
+        // The elements of a text and the curves of its numbers are some tens of times as large as the text. `use` may make
+        // of a small picture as much as 65 536 lines take.
+        let picture = files.iter().any(|f| f.name().to_ascii_lowercase().ends_with(".svg"));
+        let more = if picture { 48 << 20 } else { 1 << 20 };
+        let bytes = content.bytes.saturating_mul(40).saturating_add(more);
         content.and(Cost { bytes, seconds: content.bytes as f64 * PARSING_SECONDS })
     }
 

@@ -5,7 +5,7 @@
 
 use cpu_time::ThreadTime;
 use orograph::files::vectors::{geojson, svg};
-use orograph::files::{Format, Limits, WriteJob, encode, read_height};
+use orograph::files::{Format, Limits, WriteJob, Writing, encode, read_height};
 use orograph::kit::curves::rasterise;
 use orograph::node::{Cancel, Context, Kind};
 use orograph::params::page::sections;
@@ -219,8 +219,8 @@ fn every_reader_of_heights_is_linear() {
     for format in Format::ALL {
         let written = fields.each_ref().map(|value| {
             let grid = *value.grid().unwrap();
-            let job =
-                WriteJob { range: Some([-500.0, 500.0]), ..WriteJob::new(value, format, &terrain, grid) };
+            let writing = Writing { range: Some([-500.0, 500.0]), ..format.into() };
+            let job = WriteJob::new(value, writing, &terrain, grid);
             let mut out = std::io::Cursor::new(Vec::new());
             let sidecar = encode(&job, &mut out).unwrap().sidecar.map(|j| j.to_string().into_bytes());
             (out.into_inner(), sidecar)
@@ -273,7 +273,7 @@ fn lists(kind: &Kind) -> Vec<(String, Shape, usize)> {
 }
 
 /// A node with its inputs on a small grid, ready to be run.
-fn run(kind: &'static Kind, set: &Map<String, Json>, size: u32) -> impl Fn() -> Wires + Sync {
+fn run(kind: &'static Kind, set: &Map<String, Json>, size: u32) -> impl Fn() -> Wires + Sync + use<> {
     let graph = fed(kind, set, None);
     let id = graph.find("node").unwrap();
     let node = graph.node(id).parse().unwrap_or_else(|e| panic!("{}: {e}", kind.id));

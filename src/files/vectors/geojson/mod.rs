@@ -59,6 +59,7 @@ pub fn read(
     let asked = mapping.names().chain(["name"]).map(str::to_owned).collect();
     // A value of a list takes some four bytes at least.
     let watch = Watch::new(go_on, text.len() / 4);
+    watch.at(0)?;
     let desk = Desk { watch, asked, state: std::cell::RefCell::new(State::default()) };
     let collector = Collector::new(mapping, place.onto, MAX_POSITIONS);
     let mut reader = Reader { place, collector, degrees: true, lines: 0 };
