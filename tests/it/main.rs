@@ -25,3 +25,4 @@ mod render;
 mod select;
 mod sources;
 mod strangers;
+mod trials;
