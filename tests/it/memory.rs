@@ -6,7 +6,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use orograph::engine::{Unobserved, Want};
-use orograph::files::{Closing, Encoding, Format, Limits, Relief, Request, WriteJob, Writing, claimed_size, encode};
+use orograph::files::{
+    Closing, Encoding, Format, Limits, Relief, Request, WriteJob, Writing, claimed_size, encode,
+};
 use orograph::graph::Graph;
 use orograph::kit::curves::raster::BESIDE;
 use orograph::kit::curves::rasterise;

@@ -42,6 +42,9 @@ fn the_page_of_files_has_the_table_of_formats() {
     if std::env::var_os("OROGRAPH_BLESS").is_some() {
         std::fs::write(PAGE, &right).expect("writes");
     } else {
-        assert!(page == right, "docs/files.md is not the table of formats; run this test with OROGRAPH_BLESS=1");
+        assert!(
+            page == right,
+            "docs/files.md is not the table of formats; run this test with OROGRAPH_BLESS=1"
+        );
     }
 }

@@ -2,8 +2,6 @@
 
 use std::process::{Child, Stdio};
 
-use serde_json::json;
-
 use super::{Desk, LIMIT, hashes, program, some_of, text, wait};
 
 fn spawn(desk: &Desk, out: &str, more: &[&str]) -> Child {
@@ -27,33 +25,6 @@ fn processes_share_a_cache() {
         for (i, mut child) in children.into_iter().enumerate() {
             assert_eq!(wait(&mut child, LIMIT).unwrap().code(), Some(0));
             assert_eq!(hashes(&desk.report(&format!("out{i}"))), right);
-        }
-    }
-}
-
-/// One process a tile, all at once in one folder, is the same as one process for all.
-#[test]
-fn one_process_a_tile_writes_what_one_process_writes() {
-    let desk = Desk::new();
-    let common = ["--size", "257", "--tiles", "4x2", "--output", "height"];
-    assert_eq!(desk.build("all", &common).code, Some(0));
-    let places: Vec<String> = (0..2).flat_map(|j| (0..4).map(move |i| format!("{i},{j}"))).collect();
-    let start = |place: &String| spawn(&desk, "each", &[&common[..], &["--tile", place]].concat());
-    for mut child in places.iter().map(start).collect::<Vec<_>>() {
-        assert_eq!(wait(&mut child, LIMIT).unwrap().code(), Some(0));
-    }
-    for j in 0..2 {
-        for i in 0..4 {
-            let name = format!("height_x{i}_y{j}");
-            for extension in ["r32", "json"] {
-                let read = |folder: &str| {
-                    std::fs::read(desk.path(folder).join(format!("{name}.{extension}"))).unwrap()
-                };
-                assert_eq!(read("each"), read("all"), "{name}.{extension}");
-            }
-            let sidecar = std::fs::read(desk.path("each").join(format!("{name}.json"))).unwrap();
-            let sidecar: serde_json::Value = serde_json::from_slice(&sidecar).unwrap();
-            assert_eq!(sidecar["tile"]["col"], json!(i), "{sidecar}");
         }
     }
 }

@@ -157,18 +157,3 @@ fn every_command_survives_every_graph() {
     println!("{} graphs, 8 commands each", graphs.len());
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
-
-/// A title cannot write lines of its own.
-#[test]
-fn no_text_forges_a_line() {
-    let desk = Desk::new();
-    let mut graph = hills();
-    graph["title"] = json!(POISON);
-    let graph = desk.write("forged.graph", graph.to_string().as_bytes());
-    for command in [["info", &graph], ["check", &graph], ["plan", &graph]] {
-        let end = run(&command);
-        let forged = end.said.lines().any(|line| line.starts_with("license"));
-        assert!(!forged, "{}", end.said);
-    }
-    assert!(run(&["info", &graph]).said.contains("\\u{1b}"), "the title is told, its controls as escapes");
-}
