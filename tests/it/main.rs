@@ -27,4 +27,5 @@ mod render;
 mod select;
 mod sources;
 mod strangers;
+mod trials;
 mod vectors;
