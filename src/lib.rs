@@ -27,8 +27,8 @@
 //!
 //! # Evaluation: [`engine`]
 //! From the consumers up: which window of which node on which lattice; what the cache has ends the walk. Global nodes
-//! run on the base grid and their results are carried to finer grids. Tasks run side by side within a budget of
-//! memory. *Caching:* a key is the hash of kind, version, canonical parameters, input keys, file contents and declared
+//! run on the base grid and their results are carried to finer grids. Tasks run side by side within the plan's own
+//! account of memory. *Caching:* a key is the hash of kind, version, canonical parameters, input keys, file contents and declared
 //! settings; a result adds its grid.
 //!
 //! # Faces: [`cli`], `editor`, [`files`], [`render`]

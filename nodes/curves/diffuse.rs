@@ -96,7 +96,7 @@ impl Node for Diffuse {
     fn cost(&self, grid: &Grid) -> Cost {
         let (nanoseconds, fields) = match self.quality {
             Quality::Paper => (150.0, 14.0),
-            Quality::Converged => (1500.0, 34.0),
+            Quality::Converged => (800.0, 34.0),
         };
         let cost = Cost::per_sample(grid, nanoseconds).with_fields(grid, fields);
         Cost { bytes: cost.bytes + diffusion::scratch(), ..cost }

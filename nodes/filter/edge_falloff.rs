@@ -67,7 +67,7 @@ impl Node for EdgeFalloff {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        Cost { bytes: 8 * grid.cols as u64, ..Cost::per_sample(grid, 10.0) }
+        Cost { bytes: 8 * grid.cols as u64, ..Cost::per_sample(grid, 14.0) }
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { field }: Inputs) -> Result<Outputs> {

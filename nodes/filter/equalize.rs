@@ -63,7 +63,7 @@ impl Node for Equalize {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        Cost { bytes: 1 << 14, ..Cost::per_sample(grid, 25.0) }
+        Cost { bytes: 1 << 14, ..Cost::per_sample(grid, 40.0) }
     }
 
     /// Lowest and highest value, then the points of the transfer: shares of the range, each with that of the area below.

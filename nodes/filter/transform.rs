@@ -114,7 +114,7 @@ impl Node for Transform {
     fn cost(&self, grid: &Grid) -> Cost {
         // Coordinates of the columns, and of a row of places in each thread.
         let bytes = (8 + 16 * rayon::current_num_threads() as u64) * grid.cols as u64;
-        Cost { bytes, ..Cost::per_sample(grid, 45.0) }
+        Cost { bytes, ..Cost::per_sample(grid, 8.0 + self.interpolation.nanoseconds()) }
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { field }: Inputs) -> Result<Outputs> {

@@ -90,10 +90,13 @@ impl Node for Warp {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        // The noise's columns, a row of displacement in each thread, and a copy of vectors that must be cropped.
+        // The noise's columns, and a row of displacement in each thread.
         let rows = 24 * grid.cols as u64 * (rayon::current_num_threads() as u64 + 1);
-        let bytes = 2 * Fractal::bytes(self.octaves, grid.cols) + rows + grid.len() as u64 * 8;
-        Cost { bytes, ..Cost::per_sample(grid, 45.0 + 7.0 * f64::from(self.octaves)) }
+        let bytes = 2 * Fractal::bytes(self.octaves, grid.cols) + rows;
+        Cost {
+            bytes,
+            ..Cost::per_sample(grid, self.interpolation.nanoseconds() + 8.0 * f64::from(self.octaves))
+        }
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {

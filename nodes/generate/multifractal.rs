@@ -80,10 +80,8 @@ impl Node for Multifractal {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        let columns = Fractal::bytes(self.octaves, grid.cols) + 8 * grid.cols as u64;
-        // Inputs on a larger window are cropped, which copies them.
-        let crops = 2 * 4 * grid.len() as u64;
-        Cost { bytes: columns + crops, ..Cost::per_sample(grid, 3.0 + 4.0 * f64::from(self.octaves)) }
+        let bytes = Fractal::bytes(self.octaves, grid.cols) + 8 * grid.cols as u64;
+        Cost { bytes, ..Cost::per_sample(grid, 3.0 + 4.0 * f64::from(self.octaves)) }
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {

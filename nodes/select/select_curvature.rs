@@ -99,8 +99,7 @@ impl Node for SelectCurvature {
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
-        // A scale between samples is read from sixteen of them at each corner.
-        derivative::cost(grid, if self.scale.is_some() { 130.0 } else { 25.0 }, 14)
+        derivative::cost(grid, 25.0, 14)
     }
 
     fn check(&self) -> Result<()> {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::exit::Stop;
-use crate::engine::{DEFAULT_CACHE_BYTES, DEFAULT_SECONDS, Options, default_budget};
+use crate::engine::{DEFAULT_CACHE_BYTES, DEFAULT_SECONDS, Keep, Options, default_budget};
 use crate::value::{Bounds, Grid, Terrain};
 
 /// A graph and what is changed in it before it is evaluated.
@@ -90,12 +90,19 @@ pub(super) struct EngineArgs {
 }
 
 impl EngineArgs {
+    /// How many worker threads there will be.
+    pub(super) fn threads(&self) -> usize {
+        let all = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.threads.map_or_else(all, usize::from)
+    }
+
     pub(super) fn options(&self) -> Options {
         Options {
-            threads: self.threads.map_or(0, usize::from),
+            threads: self.threads(),
             memory: self.memory.unwrap_or_else(default_budget),
             reserve: 0,
             seconds: self.time.unwrap_or(DEFAULT_SECONDS),
+            keep: Keep::Lasting,
             cache: self.cache.clone(),
             cache_bytes: self.cache_size.unwrap_or(DEFAULT_CACHE_BYTES),
         }

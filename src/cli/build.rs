@@ -98,7 +98,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let mut report = Report::start(&report_path, &folder, head, part)?;
     problems.iter().for_each(|p| report.warning(p.to_string()));
     let mut options = args.engine.options();
-    options.reserve = reserve(&graph, &args.engine, tiles.iter().map(|t| &t.grid).max_by_key(|g| g.len()));
+    options.reserve = reserve(&graph, &args.engine, tiles.iter().map(|t| &t.grid).max_by_key(|g| g.cols));
     let engine = Engine::new(&options, files)?;
     let progress = Progress::new(args.progress);
     let build = Build {
@@ -245,11 +245,13 @@ impl Build<'_> {
             let mut dropped = Vec::new();
             for (i, (job, value)) in jobs.iter().zip(&evaluation.values).enumerate() {
                 let written = match value {
-                    Ok(value) => job.write(value, tile, &to),
+                    // On the threads that the user allowed, and whose memory is counted.
+                    Ok(value) => self.engine.pool().install(|| job.write(value, tile, &to)),
                     Err(failure) => Err(Stop::new(Exit::of(failure), failure)),
                 };
                 match written {
                     Ok(mut entry) => {
+                        report.planned_seconds(entry.planned_seconds);
                         entry.json["effective_cell"] = json!(evaluation.effective_cells[i]);
                         for note in entry.notes {
                             let line = format!("note: output `{}`: {note}", job.name);
@@ -342,7 +344,7 @@ impl Build<'_> {
 
     /// Enters tasks of an evaluation in the report, and says what their nodes warn of.
     fn enter(&self, tasks: &[TaskReport], of: &Evaluation, report: &mut Report<'_>) {
-        for warning in report.tasks(tasks, of.peak_bytes, of.planned_bytes) {
+        for warning in report.evaluation(of, tasks) {
             self.progress.say(&format!("warning: {warning}"));
         }
         for notice in &of.notices {

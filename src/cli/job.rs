@@ -8,9 +8,9 @@ use sha2::{Digest, Sha256};
 
 use super::exit::{Exit, Stop};
 use crate::engine::Want;
-use crate::files::{Format, Target, WriteJob, Writing, encode, sidecar_name};
+use crate::files::{Format, Target, WriteJob, Writing, encode, sidecar_name, writer_cost};
 use crate::graph::{Graph, Output, Place, Problem, Source};
-use crate::value::{Grid, Quantity, Terrain, Value};
+use crate::value::{Grid, Quantity, Terrain, Value, WireType};
 use crate::whole::{self, Known};
 
 /// A part of the window that is built at once.
@@ -49,6 +49,8 @@ pub(super) struct Common<'a> {
 pub(super) struct Entry {
     pub json: Json,
     pub notes: Vec<String>,
+    /// What writing was estimated to take.
+    pub planned_seconds: f64,
 }
 
 /// The jobs of some outputs, and those whose source does not resolve.
@@ -97,6 +99,16 @@ impl Job {
     /// What it asks of the engine on a grid.
     pub(super) fn want(&self, grid: Grid) -> Want {
         Want { node: self.source.node, port: self.source.port, grid }
+    }
+
+    /// Seconds that writing it on a grid takes on one core, before it is known what it is: colours are taken for a
+    /// picture, all else for floats, where nothing chose the format.
+    pub(super) fn writing_seconds(&self, graph: &Graph, grid: &Grid) -> f64 {
+        let Some(wire) = graph.wire_type(self.source) else { return 0.0 };
+        let chosen = self.format.or(self.target.map(Target::format));
+        let format = chosen.unwrap_or(if wire == WireType::Colors { Format::Png8 } else { Format::Exr });
+        let channels = (wire.sample_bytes() / 4) as usize;
+        writer_cost(format, [grid.cols, grid.rows], channels, 1).seconds
     }
 
     /// Chooses the format by what the output is, where nothing else chose it.
@@ -190,7 +202,8 @@ impl Job {
             "range": written.range, "clipped": written.clipped, "notes": notes,
             "tile": cut.then(|| json!(tile.place)), "sidecar": sidecar,
         });
-        Ok(Entry { json, notes })
+        let cost = writer_cost(self.format(), [grid.cols, grid.rows], self.channels, 1);
+        Ok(Entry { json, notes, planned_seconds: cost.seconds })
     }
 }
 

@@ -72,7 +72,10 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let refused = known.and_then(|()| engine.admit(&plan)).err();
     let made: Vec<String> = jobs.iter().map(|j| j.name.clone()).collect();
     let failures = failures(&plan, &made, broken);
-    let planned = Planned { plan: &plan, names: &made, window: &tile, reserve, failures: &failures };
+    let need = engine.need(plan.peak_bytes());
+    let writing = jobs.iter().map(|j| j.writing_seconds(&graph, &tile)).sum();
+    let planned =
+        Planned { plan: &plan, names: &made, window: &tile, reserve, need, writing, failures: &failures };
     if args.json {
         print_json(&json_of(&planned))?;
     } else {
@@ -115,7 +118,12 @@ struct Planned<'a> {
     plan: &'a Plan,
     names: &'a [String],
     window: &'a Grid,
+    /// Bytes for all but the evaluation.
     reserve: u64,
+    /// Bytes that the budget must hold.
+    need: u64,
+    /// Seconds of writing the outputs.
+    writing: f64,
     failures: &'a [Failed],
 }
 
@@ -141,7 +149,7 @@ pub(super) fn warnings(plan: &Plan, names: &[String], window: &Grid) -> Vec<Stri
 }
 
 fn table(planned: &Planned<'_>) -> Vec<String> {
-    let &Planned { plan, names, window, reserve, failures } = planned;
+    let &Planned { plan, names, window, reserve, need, writing, failures } = planned;
     let mut rows =
         vec![["node", "kind", "stage", "grid", "detail m", "memory", "seconds", "cached"].map(String::from)];
     for t in plan.tasks() {
@@ -174,19 +182,19 @@ fn table(planned: &Planned<'_>) -> Vec<String> {
     for f in failures {
         lines.push(format!("output {}: cannot be made", f.output));
     }
-    let (peak, need) = (plan.peak_bytes(), plan.peak_bytes().saturating_add(reserve));
     lines.push(format!(
-        "memory {}, {} of them for nodes and {} for the program and its writers; {:.2} s on one core",
+        "memory {}, {} of them for nodes and {} for the program and its writers; {:.2} s on one core, {writing:.2} s of \
+         them for writing",
         bytes(need),
-        bytes(peak),
+        bytes(plan.peak_bytes()),
         bytes(reserve),
-        plan.seconds()
+        plan.seconds() + writing
     ));
     lines
 }
 
 fn json_of(planned: &Planned<'_>) -> serde_json::Value {
-    let &Planned { plan, names, window, reserve, failures } = planned;
+    let &Planned { plan, names, window, reserve, need, writing, failures } = planned;
     let tasks = plan.tasks().into_iter().map(|t| {
         json!({
             "node": t.node, "kind": t.kind, "stage": t.stage.name(), "cols": t.grid.map(|g| g.cols), "rows": t.grid.map(|g| g.rows),
@@ -203,7 +211,7 @@ fn json_of(planned: &Planned<'_>) -> serde_json::Value {
     json!({
         "tasks": tasks, "outputs": outputs, "failures": failures.iter().map(failed).collect::<Vec<_>>(),
         "peak_bytes": plan.peak_bytes(), "reserve_bytes": reserve,
-        "need_bytes": plan.peak_bytes().saturating_add(reserve),
-        "unread_bytes": plan.unread_bytes(), "seconds": plan.seconds(),
+        "need_bytes": need, "unread_bytes": plan.unread_bytes(),
+        "seconds": plan.seconds() + writing, "writing_seconds": writing,
     })
 }

@@ -15,9 +15,11 @@ use super::reserve::reserve;
 use crate::engine::{Engine, Options, Want};
 use crate::files::fill_voids;
 use crate::graph::{Graph, Source};
-use crate::node::Cancel;
+use crate::node::{Cancel, Cost};
 use crate::nodes::Registry;
-use crate::render::{Camera, Edge, Palette, Picture, Scene, Sun, Watch, map, perspective};
+use crate::render::{
+    Camera, Edge, Palette, Picture, Scene, Sun, Watch, map, map_cost, perspective, perspective_cost,
+};
 use crate::value::{Colors, Field, Grid, Lattice, Quantity, Value, WireType};
 
 #[derive(Debug, clap::Args)]
@@ -193,7 +195,8 @@ fn from_graph(
         Some(name) => Some((name.clone(), named(name)?)),
         None => None,
     };
-    let reserve = reserve(&graph, &args.engine, Some(&window));
+    let drawing = drawing([window.cols, window.rows], args)?;
+    let reserve = reserve(&graph, &args.engine, None) + drawing.bytes;
     let engine = Engine::new(&Options { reserve, ..args.engine.options() }, files)?;
     let evaluated = |graph: &Graph, want: Want| {
         let evaluation = engine.evaluate(graph, &[want], progress, cancel)?;
@@ -229,6 +232,20 @@ fn from_graph(
         None => (),
     }
     subject(graph.terrain().sea_level, height, color.map(|(_, value)| value))
+}
+
+/// What drawing takes, what is drawn among it, in the colours of the graph where it may be.
+fn drawing(grid: [usize; 2], args: &Args) -> Result<Cost, Stop> {
+    let colored = args.color.is_some() || args.palette.is_none();
+    Ok(match args.view {
+        View::Map => map_cost(grid, map_width(args, grid[0]), colored),
+        View::Perspective => perspective_cost(grid, &camera(args)?, colored),
+    })
+}
+
+/// The width of a map: as asked for, or a pixel a sample up to what a screen shows.
+fn map_width(args: &Args, cols: usize) -> Option<usize> {
+    args.width.or_else(|| (cols > 2048).then_some(2048))
 }
 
 /// The first output of a graph that is colours, with what it wants, and the graph that gives them without the shade
@@ -340,9 +357,7 @@ fn draw(args: &Args, subject: &Subject, cancel: &Cancel) -> Result<Picture, Stop
     }
     let watch = Watch::quiet(cancel);
     let drawn = match args.view {
-        View::Map => {
-            map(&scene, args.width.or_else(|| (subject.height.grid().cols > 2048).then_some(2048)), &watch)
-        }
+        View::Map => map(&scene, map_width(args, subject.height.grid().cols), &watch),
         View::Perspective => perspective(&scene, &camera(args)?, &watch),
     };
     drawn.map_err(|e| match e {

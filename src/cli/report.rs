@@ -9,7 +9,7 @@ use serde_json::{Map, Value as Json, json};
 use super::exit::{Exit, Stop, json_text, print_json, save};
 use super::folder::Folder;
 use super::shared::{self, Part};
-use crate::engine::TaskReport;
+use crate::engine::{Evaluation, TaskReport, process_peak, process_seconds};
 use crate::files::Tile;
 use crate::whole;
 
@@ -33,6 +33,7 @@ pub(super) struct Report<'a> {
     nodes: BTreeMap<(String, &'static str), NodeTotal>,
     peak_bytes: u64,
     planned_bytes: u64,
+    planned_seconds: f64,
 }
 
 /// What the tasks of one node and stage did together, over all tiles.
@@ -67,6 +68,7 @@ impl<'a> Report<'a> {
             nodes: BTreeMap::new(),
             peak_bytes: 0,
             planned_bytes: 0,
+            planned_seconds: 0.0,
         };
         if !report.is_printed() {
             let cannot = |e: io::Error| {
@@ -117,6 +119,11 @@ impl<'a> Report<'a> {
         self.outputs.push(output);
     }
 
+    /// Adds to the estimate what is not part of an evaluation.
+    pub(super) fn planned_seconds(&mut self, seconds: f64) {
+        self.planned_seconds += seconds;
+    }
+
     /// What a person should know of the result.
     pub(super) fn warning(&mut self, text: String) {
         self.warnings.push(text);
@@ -132,11 +139,12 @@ impl<'a> Report<'a> {
         self.failures.extend(tiles.into_iter().map(entry));
     }
 
-    /// Takes up what an evaluation did; gives what nodes said of their results and did not say before.
-    pub(super) fn tasks(&mut self, tasks: &[TaskReport], peak_bytes: u64, planned_bytes: u64) -> Vec<String> {
+    /// Takes up what an evaluation did by some tasks; gives what nodes said of their results and did not say before.
+    pub(super) fn evaluation(&mut self, of: &Evaluation, tasks: &[TaskReport]) -> Vec<String> {
         let mut news = Vec::new();
-        self.peak_bytes = self.peak_bytes.max(peak_bytes);
-        self.planned_bytes = self.planned_bytes.max(planned_bytes);
+        self.peak_bytes = self.peak_bytes.max(of.peak_bytes);
+        self.planned_bytes = self.planned_bytes.max(of.planned_bytes);
+        self.planned_seconds += of.planned_seconds;
         for task in tasks {
             let total = self.nodes.entry((task.node.clone(), task.stage.name())).or_default();
             total.kind = task.kind;
@@ -191,7 +199,9 @@ impl<'a> Report<'a> {
         report.insert("seconds".into(), json!(self.started.elapsed().as_secs_f64()));
         report.insert("peak_bytes".into(), json!(self.peak_bytes));
         report.insert("planned_bytes".into(), json!(self.planned_bytes));
-        report.insert("process_peak_bytes".into(), json!(crate::engine::process_peak()));
+        report.insert("process_peak_bytes".into(), json!(process_peak()));
+        report.insert("planned_seconds".into(), json!(self.planned_seconds));
+        report.insert("processor_seconds".into(), json!(process_seconds()));
         report.insert("outputs".into(), Json::from(std::mem::take(&mut self.outputs)));
         report.insert("warnings".into(), Json::from(std::mem::take(&mut self.warnings)));
         report.insert("failures".into(), Json::from(std::mem::take(&mut self.failures)));

@@ -56,7 +56,9 @@ pub(super) fn merged(other: Map<String, Json>, mut own: Map<String, Json>, part:
     let news = list(&own, "warnings").unwrap_or_default();
     warnings.extend(news.into_iter().filter(|w| !warnings.contains(w)).collect::<Vec<_>>());
     own.insert("warnings".to_owned(), warnings.into());
-    own.insert("seconds".to_owned(), json!(number(&other, "seconds") + number(&own, "seconds")));
+    for key in ["seconds", "planned_seconds", "processor_seconds"] {
+        own.insert(key.to_owned(), json!(number(&other, key) + number(&own, key)));
+    }
     for key in ["peak_bytes", "planned_bytes", "process_peak_bytes"] {
         let [a, b] = [&other, &own].map(|map| map.get(key).and_then(Json::as_u64));
         own.insert(key.to_owned(), json!(a.max(b)));
@@ -121,7 +123,7 @@ mod tests {
             json!({ "node": "n", "stage": "run", "runs": 1, "cached": 2, "seconds": 0.5, "bytes": bytes });
         let report = json!({
             "build_key": "k", "tiles": { "cols": 2, "rows": 1 }, "outputs": outputs, "failures": failures,
-            "warnings": ["both", format!("tile {col}")], "seconds": 1.5, "peak_bytes": bytes, "nodes": [node],
+            "warnings": ["both", format!("tile {col}")], "seconds": 1.5, "planned_seconds": 0.5, "processor_seconds": 2.0, "peak_bytes": bytes, "nodes": [node],
         });
         let mut report = report.as_object().cloned().unwrap_or_default();
         settle(&mut report);
@@ -137,6 +139,7 @@ mod tests {
         assert_eq!((&both["status"], &both["tiles"]["built"]), (&json!("done"), &json!(2)));
         assert_eq!(both["warnings"], json!(["both", "tile 1", "tile 0"]));
         assert_eq!((&both["seconds"], &both["peak_bytes"]), (&json!(3.0), &json!(9)));
+        assert_eq!((&both["planned_seconds"], &both["processor_seconds"]), (&json!(1.0), &json!(4.0)));
         let node = &both["nodes"][0];
         assert_eq!((&node["runs"], &node["cached"], &node["seconds"]), (&json!(2), &json!(4), &json!(1.0)));
     }

@@ -1,14 +1,14 @@
 //! Results by key: in memory up to a number of bytes, and in a folder that many processes may share.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::disk::Disk;
 use super::key::Key;
-use crate::node::Summary;
-use crate::ports::Wires;
-use crate::source::Shelf;
+use super::outputs::Outputs;
+use crate::node::{Kind, Summary};
+use crate::ports::{Port, Wires};
 use crate::value::Grid;
 
 /// What a task gives.
@@ -39,6 +39,31 @@ impl Given {
             Self::Summary(_) => None,
         }
     }
+
+    /// Whether it has every output of some that a kind gives in any case.
+    fn has(&self, kind: &Kind, outputs: Outputs) -> bool {
+        let given = |port: &Port| !port.required || self.wires().is_some_and(|w| w.get(port.name).is_some());
+        matches!(self, Self::Summary(_)) || outputs.ports(kind).all(given)
+    }
+
+    /// Whether it has every output that another has.
+    fn covers(&self, other: &Self) -> bool {
+        let ports = |given: &Self| -> BTreeSet<&str> {
+            given.wires().into_iter().flat_map(Wires::iter).map(|(port, _)| port).collect()
+        };
+        ports(self).is_superset(&ports(other))
+    }
+
+    /// Itself with some of its outputs only.
+    pub(super) fn only(self, kind: &Kind, outputs: Outputs) -> Self {
+        match self {
+            Self::Wires(wires) => {
+                let read = wires.iter().filter(|(port, _)| outputs.has(kind, port));
+                Self::Wires(read.map(|(port, value)| (port, value.clone())).collect())
+            }
+            summary @ Self::Summary(_) => summary,
+        }
+    }
 }
 
 /// What a node said of its result, sorted.
@@ -66,6 +91,17 @@ impl Found {
             Self::Memory(given, _) => Some(given.bytes()),
             // The samples and a little: the window of the file may be wider than the one that is wanted.
             Self::Disk(path) => Some(std::fs::metadata(path).ok()?.len()),
+        }
+    }
+
+    /// Takes the result out where it is in memory.
+    pub(super) fn take(&mut self) -> Option<(Given, Warnings)> {
+        match self {
+            Self::Memory(given, warnings) => {
+                let given = std::mem::replace(given, Given::Wires(Wires::default()));
+                Some((given, std::mem::take(warnings)))
+            }
+            Self::Disk(_) => None,
         }
     }
 }
@@ -111,9 +147,15 @@ impl Store {
         self.memory.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A result whose window holds the wanted one.
-    pub(super) fn find(&self, key: &Key, grid: &Grid, stock: Stock) -> Option<Found> {
-        if let Some((given, warnings)) = self.memory().get(key, grid) {
+    /// A result whose window holds the wanted one, with the outputs of the kind that are read.
+    pub(super) fn find(
+        &self,
+        key: &Key,
+        grid: &Grid,
+        (kind, read): (&Kind, Outputs),
+        stock: Stock,
+    ) -> Option<Found> {
+        if let Some((given, warnings)) = self.memory().get(key, grid, kind, read) {
             return Some(Found::Memory(given, warnings));
         }
         if stock == Stock::Memory {
@@ -127,12 +169,10 @@ impl Store {
         self.memory().put(key, grid, given.clone(), warnings.clone());
     }
 
-    /// Sets how many bytes may be held in memory together with what was decoded from files, which gets up to half of
-    /// them, and drops the least used beyond it.
-    pub(super) fn limit(&self, bytes: u64, shelf: &Shelf) {
-        shelf.limit(bytes / 2);
+    /// Sets how many bytes of results may be held in memory, and drops the least used beyond it.
+    pub(super) fn limit(&self, bytes: u64) {
         let mut memory = self.memory();
-        memory.limit = bytes - bytes / 2;
+        memory.limit = bytes;
         memory.shrink();
     }
 
@@ -143,9 +183,10 @@ impl Store {
 }
 
 impl Memory {
-    fn get(&mut self, key: &Key, grid: &Grid) -> Option<(Given, Warnings)> {
+    fn get(&mut self, key: &Key, grid: &Grid, kind: &Kind, read: Outputs) -> Option<(Given, Warnings)> {
         self.clock += 1;
-        let entry = self.entries.get_mut(key)?.iter_mut().find(|e| e.grid.contains(grid))?;
+        let serves = |e: &&mut Entry| e.grid.contains(grid) && e.given.has(kind, read);
+        let entry = self.entries.get_mut(key)?.iter_mut().find(serves)?;
         entry.used = self.clock;
         Some((entry.given.clone(), entry.warnings.clone()))
     }
@@ -160,7 +201,7 @@ impl Memory {
         // A window inside the new one is no longer of use.
         let before = self.bytes;
         entries.retain(|e| {
-            let kept = !grid.contains(&e.grid);
+            let kept = !(grid.contains(&e.grid) && given.covers(&e.given));
             if !kept {
                 self.bytes -= e.given.bytes();
             }

@@ -1,4 +1,4 @@
-//! How much memory there is.
+//! How much memory there is, and what the process has used of the machine.
 
 use std::fs;
 
@@ -27,8 +27,31 @@ pub fn process_peak() -> Option<u64> {
     line.split_whitespace().next()?.parse::<u64>().ok()?.checked_mul(1024)
 }
 
+/// The processor time that the process has taken on all threads, in seconds, where the system tells.
+pub fn process_seconds() -> Option<f64> {
+    processor_seconds(&fs::read_to_string("/proc/self/stat").ok()?)
+}
+
+fn processor_seconds(stat: &str) -> Option<f64> {
+    // The name of the program stands in brackets and may hold anything, brackets among it.
+    let (_, rest) = stat.rsplit_once(')')?;
+    let mut fields = rest.split_whitespace().skip(11);
+    let (user, system): (u64, u64) = (fields.next()?.parse().ok()?, fields.next()?.parse().ok()?);
+    Some((user + system) as f64 / TICKS)
+}
+
+/// Ticks a second in what Linux tells programs, on every machine it runs on (`USER_HZ`).
+const TICKS: f64 = 100.0;
+
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn reads_the_processor_time_that_linux_writes() {
+        let stat = "7 (a (b) c) S 1 7 7 0 -1 4194304 9 0 0 0 150 25 3 4 20 0 2 0 100 1 2";
+        assert_eq!(super::processor_seconds(stat), Some(1.75));
+        assert_eq!(super::processor_seconds("7 no brackets"), None);
+    }
+
     #[test]
     fn reads_what_linux_writes() {
         assert_eq!(super::mem_total("MemTotal:       24576 kB\nMemFree: 1 kB\n"), Some(24576 * 1024));

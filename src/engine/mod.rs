@@ -17,7 +17,9 @@ mod key;
 mod lift;
 mod memory;
 mod mix;
+mod outputs;
 mod plan;
+mod planner;
 mod program;
 mod run;
 mod sources;
@@ -31,7 +33,7 @@ pub use disk::DEFAULT_LIMIT as DEFAULT_CACHE_BYTES;
 pub use error::{Cause, EngineError, Failure, SharedFailure, bytes};
 pub use files::{Files, kept_folders};
 pub use key::Key;
-pub use memory::{default_budget, process_peak};
+pub use memory::{default_budget, process_peak, process_seconds};
 pub use plan::{Plan, PlannedTask, Stage};
 pub use run::{Observer, TaskReport, Unobserved};
 
@@ -47,6 +49,10 @@ use crate::value::{Grid, Value};
 /// Seconds an evaluation may be estimated to take unless the user says otherwise: a day.
 pub const DEFAULT_SECONDS: f64 = 86_400.0;
 
+/// The share of what is alive that the allocator holds beside it: freed blocks that it has not given back, and gaps. The
+/// builds of docs/budgets.md take up to an eleventh.
+const HELD_BACK: u64 = 10;
+
 /// What an engine may use.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -58,6 +64,8 @@ pub struct Options {
     pub reserve: u64,
     /// Estimated seconds of one evaluation.
     pub seconds: f64,
+    /// What stays in memory for the next evaluation.
+    pub keep: Keep,
     /// Folder of results that outlive the process.
     pub cache: Option<PathBuf>,
     /// Bytes that folder may hold.
@@ -71,10 +79,23 @@ impl Default for Options {
             memory: default_budget(),
             reserve: 0,
             seconds: DEFAULT_SECONDS,
+            keep: Keep::Everything,
             cache: None,
             cache_bytes: DEFAULT_CACHE_BYTES,
         }
     }
+}
+
+/// What stays in memory for the next evaluation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// As much as the budget leaves: for who changes a graph and asks again.
+    Everything,
+    /// What every tile of a graph reads, results on the base grid: for who asks for one tile after the other. It is part
+    /// of the plan.
+    Lasting,
+    /// Nothing: for who asks once.
+    Nothing,
 }
 
 /// A value that somebody wants.
@@ -105,6 +126,8 @@ pub struct Evaluation {
     pub peak_bytes: u64,
     /// The estimate it was admitted with.
     pub planned_bytes: u64,
+    /// Estimated seconds on one core.
+    pub planned_seconds: f64,
     /// For each want the spacing of the finest detail its value can hold, in metres; `None` where there is no value.
     pub effective_cells: Vec<Option<f64>>,
     /// What the engine itself has to say, each once: that the cache folder cannot keep results.
@@ -123,6 +146,7 @@ pub struct Engine {
     memory: u64,
     reserve: u64,
     seconds: f64,
+    keep: Keep,
 }
 
 impl Engine {
@@ -138,7 +162,7 @@ impl Engine {
             options.cache.as_ref().map(open).transpose().map_err(|e| EngineError::Cache(e.to_string()))?;
         let (memory, reserve, seconds) = (options.memory, options.reserve, options.seconds);
         let store = Store::new(memory.saturating_sub(reserve), disk);
-        Ok(Self { pool, store, files, memory, reserve, seconds })
+        Ok(Self { pool, store, files, memory, reserve, seconds, keep: options.keep })
     }
 
     /// The pool on which nodes run, for work that goes with an evaluation.
@@ -167,11 +191,11 @@ impl Engine {
         let nodes: Vec<NodeId> = passed.iter().flatten().map(|s| s.node).collect();
         let program = Arc::new(Program::new(graph, &nodes, sources));
         let find = |(want, passed): (&Want, &Option<Source>)| {
-            let step = passed.and_then(|s| program.find(s.node)).map(|step| (step, want.grid));
+            let step = passed.and_then(|s| Some((program.find(s.node)?, s.port, want.grid)));
             step.ok_or_else(|| Arc::new(Failure::Graph(absent(graph, want))))
         };
         let wants: Vec<_> = wants.iter().zip(&passed).map(find).collect();
-        Plan::new(program, &wants, &self.store, stock)
+        Plan::new(program, &wants, (&self.store, stock), self.keep == Keep::Lasting)
     }
 
     /// Makes a plan one that knows the content of all files: reads those that are not known, after the plan was held
@@ -258,11 +282,16 @@ impl Engine {
     }
 
     fn admit_bytes(&self, bytes: u64, at: impl FnOnce() -> String) -> Result<(), EngineError> {
-        let (need, reserve, budget) = (bytes.saturating_add(self.reserve), self.reserve, self.memory);
+        let (need, reserve, budget) = (self.need(bytes), self.reserve, self.memory);
         if need > budget {
             return Err(EngineError::Memory { need, reserve, budget, at: at() });
         }
         Ok(())
+    }
+
+    /// Bytes the whole process takes with so many in an evaluation: what the budget must hold.
+    pub fn need(&self, bytes: u64) -> u64 {
+        bytes.saturating_add(bytes / HELD_BACK).saturating_add(self.reserve)
     }
 
     fn admit_seconds(&self, need: f64) -> Result<(), EngineError> {
@@ -286,14 +315,14 @@ impl Engine {
         self.know(graph, wants, &mut plan, observer, cancel)?;
         let guessed = plan.guessed();
         if guessed.is_empty() {
-            return self.evaluate_plan(graph, wants, plan, observer, cancel);
+            return self.evaluate_plan(graph, wants, plan, self.keep, observer, cancel);
         }
         // What others cost hangs on the values of these: they run first, and the next plan finds their results.
         self.admit(&plan)?;
         let first = self.plan_of(graph, &guessed, plan.program.sources.clone(), Stock::All);
-        let first = self.evaluate_plan(graph, &guessed, first, observer, cancel)?;
+        let first = self.evaluate_plan(graph, &guessed, first, Keep::Everything, observer, cancel)?;
         let plan = self.plan_of(graph, wants, plan.program.sources.clone(), Stock::All);
-        let mut evaluation = self.evaluate_plan(graph, wants, plan, observer, cancel)?;
+        let mut evaluation = self.evaluate_plan(graph, wants, plan, self.keep, observer, cancel)?;
         for task in first.tasks {
             let same = |t: &&mut TaskReport| (&t.node, t.stage) == (&task.node, task.stage);
             if let Some(again) = evaluation.tasks.iter_mut().find(same).filter(|t| t.cached.is_some()) {
@@ -309,6 +338,7 @@ impl Engine {
         graph: &Graph,
         wants: &[Want],
         mut plan: Plan,
+        keep: Keep,
         observer: &dyn Observer,
         cancel: &Cancel,
     ) -> Result<Evaluation, EngineError> {
@@ -316,13 +346,21 @@ impl Engine {
         loop {
             self.admit(&plan)?;
             observer.planned(&plan);
-            let spare = self.memory - self.reserve - plan.peak_bytes();
-            // Half of what the tasks leave is for running ahead, half for keeping results and decoded files.
-            self.store.limit(spare / 2, self.files.shelf());
-            let threads = self.pool.current_num_threads();
-            let (store, pool, slack) = (&self.store, &self.pool, spare / 2);
-            let abreast = threads.min(4);
-            let ran = run::Runner { plan: &plan, store, pool, observer, cancel, slack, abreast }.run();
+            let spare = self.memory - self.need(plan.peak_bytes());
+            // Who asks again and again gains by all of it, and nobody knows by which most: results and decoded files that
+            // are still there, and tasks that run ahead. Who asks for tiles is told before what a build takes, and gets
+            // no more.
+            let (results, files, ahead) = match keep {
+                Keep::Everything => (spare / 4, spare / 4, spare / 2),
+                Keep::Lasting => (plan.lasting_bytes(), plan.shelf_bytes(), 0),
+                Keep::Nothing => (0, 0, 0),
+            };
+            self.files.shelf().limit(files);
+            self.store.limit(results);
+            let held = plan.take_held();
+            let limit = plan.peak.bytes + ahead;
+            let (store, pool) = (&self.store, &self.pool);
+            let ran = run::Runner { plan: &plan, held, store, keep, pool, observer, cancel, limit }.run();
             if cancel.is_cancelled() {
                 return Err(EngineError::Cancelled);
             }
@@ -342,6 +380,7 @@ impl Engine {
                 tasks: ran.reports,
                 peak_bytes: ran.peak_bytes,
                 planned_bytes: plan.peak_bytes(),
+                planned_seconds: plan.seconds(),
                 effective_cells: (0..wants.len()).map(|i| plan.effective_cell(i)).collect(),
                 notices: self.store.disk.as_ref().and_then(disk::Disk::complaint).into_iter().collect(),
             });

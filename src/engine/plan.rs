@@ -6,14 +6,15 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::account::{Peak, cost, held_bytes, output_bytes, peak, uses};
-use super::cache::{Found, Stock, Store};
+use super::account::{self, Peak};
+use super::cache::{Found, Given, Stock, Store, Warnings};
 use super::error::SharedFailure;
-use super::foretell::{Foretold, is_input};
+use super::foretell::is_input;
 use super::key::Key;
+use super::outputs::Outputs;
+use super::planner::Planner;
 use super::program::{Program, Step};
 use crate::node::{Cost, Reach, SECONDS_PER_BYTE, SourceFile};
-use crate::ports::Wires;
 use crate::value::Grid;
 
 /// What a task does.
@@ -68,11 +69,18 @@ pub(super) struct Task {
     /// None while the content of a file upstream is not known.
     pub key: Option<Key>,
     pub cost: Cost,
+    /// The outputs that somebody reads.
+    pub read: Outputs,
+    /// Bytes of those.
     pub output_bytes: u64,
+    /// Bytes of the cost that are for files.
+    pub file_bytes: u64,
     pub found: Option<Found>,
     pub needs: Vec<(Role, usize)>,
     /// It has no grid, and what it gives is not known before it runs.
     pub guessed: bool,
+    /// Whether the result stays when the evaluation is done, since the next will read it.
+    pub lasting: bool,
 }
 
 impl Task {
@@ -81,14 +89,20 @@ impl Task {
         (self.stage != Stage::Gridless).then_some(self.grid)
     }
 
-    /// Bytes it adds while it runs.
+    /// Bytes it adds while it runs; what stays in any case is counted from the start.
     pub(super) fn bytes(&self) -> u64 {
-        if self.held() { 0 } else { self.output_bytes.saturating_add(self.scratch_bytes()) }
+        let output = if self.held() || self.lasting { 0 } else { self.output_bytes };
+        output.saturating_add(self.scratch_bytes())
     }
 
     /// Bytes it adds and gives back.
     pub(super) fn scratch_bytes(&self) -> u64 {
-        if self.found.is_some() { 0 } else { self.cost.bytes }
+        if self.held() { 0 } else { self.cost.bytes }
+    }
+
+    /// Bytes that are free when nobody reads its result any more.
+    pub(super) fn released_bytes(&self) -> u64 {
+        if self.lasting { 0 } else { self.output_bytes }
     }
 
     /// Whether its result is in memory before it runs.
@@ -107,6 +121,8 @@ pub struct Plan {
     pub(super) tasks: Vec<Task>,
     pub(super) wanted: Vec<Wanted>,
     pub(super) peak: Peak,
+    /// Bytes decoded from files that stay for the next evaluation.
+    shelf_bytes: u64,
 }
 
 /// A task as a person sees it in a plan.
@@ -130,62 +146,18 @@ pub struct PlannedTask {
     pub cost: Cost,
 }
 
-/// A task before its dependencies have numbers.
-struct Draft {
-    step: usize,
-    stage: Stage,
-    grid: Grid,
-    key: Option<Key>,
-    found: Option<Found>,
-    asks: Vec<(Role, Ask)>,
-}
-
-/// A result that a draft depends on.
-#[derive(Clone, Copy)]
-enum Ask {
-    /// What a step gives its consumers on a grid.
-    Result { step: usize, grid: Grid },
-    /// Another stage of the same step.
-    Own(Stage),
-}
-
-struct Planner<'a> {
-    program: &'a Program,
-    store: &'a Store,
-    stock: Stock,
-    base: Grid,
-    /// Windows asked of each step, one per lattice.
-    windows: Vec<Vec<Grid>>,
-    drafts: Vec<Draft>,
-}
-
 impl Plan {
+    /// The plan for some outputs of steps on grids; `lasting` where more of the same will be asked for.
     pub(super) fn new(
         program: Arc<Program>,
-        wants: &[Result<(usize, Grid), SharedFailure>],
-        store: &Store,
-        stock: Stock,
+        wants: &[Result<(usize, &'static str, Grid), SharedFailure>],
+        (store, stock): (&Store, Stock),
+        lasting: bool,
     ) -> Self {
-        let base = program.terrain.base_grid();
-        let windows = vec![Vec::new(); program.steps.len()];
-        let mut planner = Planner { program: &program, store, stock, base, windows, drafts: Vec::new() };
-        for (step, grid) in wants.iter().flatten() {
-            planner.ask(*step, *grid);
-        }
-        for step in (0..program.steps.len()).rev() {
-            planner.visit(step);
-        }
-        let (tasks, results) = planner.number();
-        let wanted = wants.iter().map(|w| match w {
-            Ok((step, grid)) => match &program.steps[*step] {
-                Ok(_) => Ok(results.find(*step, &program.place(*step, *grid))),
-                Err(failure) => Err(failure.clone()),
-            },
-            Err(failure) => Err(failure.clone()),
-        });
-        let wanted: Vec<Wanted> = wanted.collect();
-        let peak = peak(&tasks, &wanted);
-        Self { program, tasks, wanted, peak }
+        let (mut tasks, wanted, cut_bytes) = Planner::new(&program, store, stock).plan(wants);
+        let shelf_bytes = if lasting { account::mark_lasting(&mut tasks) } else { 0 };
+        let peak = account::peak(&tasks, &wanted, shelf_bytes, cut_bytes);
+        Self { program, tasks, wanted, peak, shelf_bytes }
     }
 
     /// Estimated peak of memory when run in order, in bytes; files count in the tasks that read them.
@@ -237,14 +209,29 @@ impl Plan {
         guessed.into_iter().filter_map(want).collect()
     }
 
-    /// Bytes of results that are in memory before anything runs.
-    pub(super) fn held_bytes(&self) -> u64 {
-        held_bytes(&self.tasks)
+    /// Bytes that are counted before anything runs.
+    pub(super) fn standing_bytes(&self) -> u64 {
+        account::standing_bytes(&self.tasks).saturating_add(self.shelf_bytes)
+    }
+
+    /// Bytes decoded from files that stay for the next evaluation.
+    pub(super) fn shelf_bytes(&self) -> u64 {
+        self.shelf_bytes
+    }
+
+    /// Bytes of results that stay for the next evaluation.
+    pub(super) fn lasting_bytes(&self) -> u64 {
+        account::lasting_bytes(&self.tasks)
     }
 
     /// How often each task's result is read.
     pub(super) fn uses(&self) -> Vec<usize> {
-        uses(&self.tasks, &self.wanted)
+        account::uses(&self.tasks, &self.wanted)
+    }
+
+    /// Hands over the results that were in memory, so that each can go when its last reader is done.
+    pub(super) fn take_held(&mut self) -> Vec<Option<(Given, Warnings)>> {
+        self.tasks.iter_mut().map(|t| t.found.as_mut().and_then(Found::take)).collect()
     }
 
     /// The tasks that read each task's result, once for each reading.
@@ -276,7 +263,7 @@ impl Plan {
 
     /// Estimated seconds of the tasks on one core.
     pub fn run_seconds(&self) -> f64 {
-        self.tasks.iter().filter(|t| t.found.is_none()).map(|t| t.cost.seconds).fold(0.0, |a, b| a + b)
+        self.tasks.iter().filter(|t| !t.held()).map(|t| t.cost.seconds).fold(0.0, |a, b| a + b)
     }
 
     /// The tasks in the order in which they run on one core.
@@ -335,175 +322,4 @@ impl Plan {
     pub(super) fn peak_node(&self) -> String {
         self.tasks.get(self.peak.task).map(|t| format!("node `{}`", self.step(t).name)).unwrap_or_default()
     }
-}
-
-impl Planner<'_> {
-    fn ask(&mut self, step: usize, grid: Grid) {
-        let grid = self.program.place(step, grid);
-        let windows = &mut self.windows[step];
-        match windows.iter_mut().find(|w| w.lattice == grid.lattice) {
-            Some(window) => *window = window.union(&grid),
-            None => windows.push(grid),
-        }
-    }
-
-    fn visit(&mut self, i: usize) {
-        let program = self.program;
-        let Ok(step) = &program.steps[i] else { return };
-        let mut base_needed = false;
-        let first = self.drafts.len();
-        for grid in self.windows[i].clone() {
-            let stage = match step.reach {
-                Reach::Gridless => Stage::Gridless,
-                Reach::Global => Stage::Lift,
-                Reach::Point | Reach::Local(_) => Stage::Run,
-            };
-            let (key, found) = self.found(step, stage, &grid);
-            let mut asks = Vec::new();
-            if found.is_none() {
-                asks = match stage {
-                    Stage::Lift => self.lift_asks(step, &grid),
-                    Stage::Gridless => Self::input_asks(step, |_| self.base),
-                    _ => self.run_asks(step, &grid),
-                };
-                base_needed |= stage == Stage::Lift || step.node.needs_summary();
-            }
-            self.drafts.push(Draft { step: i, stage, grid, key, found, asks });
-        }
-        if base_needed {
-            let stage = if step.reach == Reach::Global { Stage::Base } else { Stage::Summary };
-            let (key, found) = self.found(step, stage, &self.base);
-            let asks = if found.is_none() { Self::input_asks(step, |_| self.base) } else { Vec::new() };
-            self.drafts.push(Draft { step: i, stage, grid: self.base, key, found, asks });
-        }
-        let asked: Vec<_> = self.drafts[first..].iter().flat_map(|d| d.asks.clone()).collect();
-        for (_, ask) in asked {
-            if let Ask::Result { step, grid } = ask {
-                self.ask(step, grid);
-            }
-        }
-    }
-
-    /// The key of a result, and where the store has it. What has no key yet is taken for not there.
-    fn found(&self, step: &Step, stage: Stage, grid: &Grid) -> (Option<Key>, Option<Found>) {
-        let key = step.key.map(|key| key.on(stage.name(), &grid.lattice));
-        (key, key.and_then(|key| self.store.find(&key, grid, self.stock)))
-    }
-
-    fn input_asks(step: &Step, window: impl Fn(&'static str) -> Grid) -> Vec<(Role, Ask)> {
-        let kind = step.kind;
-        let own =
-            step.inputs.iter().filter(|i| kind.meta.mixes.is_empty() || i.port != crate::ports::MASK.name);
-        own.map(|i| {
-            let role = Role::Input { port: i.port, from: i.from };
-            (role, Ask::Result { step: i.step, grid: window(i.port) })
-        })
-        .collect()
-    }
-
-    fn run_asks(&self, step: &Step, grid: &Grid) -> Vec<(Role, Ask)> {
-        let terrain = &self.program.terrain;
-        let mut asks =
-            Self::input_asks(step, |port| clip(&step.node.footprint(port, grid, terrain), terrain));
-        if step.node.needs_summary() {
-            asks.push((Role::Summary, Ask::Own(Stage::Summary)));
-        }
-        self.mix_asks(step, grid, &mut asks);
-        asks
-    }
-
-    fn lift_asks(&self, step: &Step, grid: &Grid) -> Vec<(Role, Ask)> {
-        let mut asks = vec![(Role::Base, Ask::Own(Stage::Base))];
-        if !self.base.contains(grid) {
-            for input in step.kind.meta.carries.iter().filter_map(|(_, input)| step.input(input)) {
-                let before = Role::Before { port: input.port, from: input.from };
-                asks.push((before, Ask::Result { step: input.step, grid: self.base }));
-                let fine = Role::Fine { port: input.port, from: input.from };
-                asks.push((fine, Ask::Result { step: input.step, grid: *grid }));
-            }
-        }
-        self.mix_asks(step, grid, &mut asks);
-        asks
-    }
-
-    fn mix_asks(&self, step: &Step, grid: &Grid, asks: &mut Vec<(Role, Ask)>) {
-        let mixes = step.kind.meta.mixes;
-        let Some(mask) = step.input(crate::ports::MASK.name).filter(|_| !mixes.is_empty()) else { return };
-        for input in mixes.iter().filter_map(|(_, input)| step.input(input)).chain([mask]) {
-            let role = Role::Fine { port: input.port, from: input.from };
-            if !asks.iter().any(|(r, _)| *r == role) {
-                asks.push((role, Ask::Result { step: input.step, grid: *grid }));
-            }
-        }
-    }
-
-    /// Turns drafts into tasks in the order of the steps, sources first.
-    fn number(self) -> (Vec<Task>, Results) {
-        let Self { program, mut drafts, .. } = self;
-        drafts.sort_by_key(|d| (d.step, d.stage));
-        let mut results = Results::default();
-        let mut tasks: Vec<Task> = Vec::with_capacity(drafts.len());
-        let mut foretold = Foretold::new(program);
-        for draft in drafts {
-            let Draft { step, stage, grid, key, found, asks } = draft;
-            let needs = asks.into_iter().map(|(role, ask)| {
-                let task = match ask {
-                    Ask::Result { step, grid } => results.find(step, &program.place(step, grid)),
-                    Ask::Own(stage) => results.own(step, stage),
-                };
-                (role, task)
-            });
-            let needs = needs.collect();
-            let known = foretold.take(step, stage, found.as_ref()).map(Wires::bytes);
-            let guessed = stage == Stage::Gridless && found.is_none() && known.is_none();
-            let (cost, output_bytes) = match &program.steps[step] {
-                Ok(s) => (
-                    cost(s, stage, &grid, &program.terrain.base_grid(), &foretold),
-                    known.unwrap_or_else(|| output_bytes(s, stage, &grid, found.as_ref())),
-                ),
-                Err(_) => (Cost::default(), 0),
-            };
-            results.0.push((step, stage, grid, tasks.len()));
-            tasks.push(Task { step, stage, grid, key, cost, output_bytes, found, needs, guessed });
-        }
-        (tasks, results)
-    }
-}
-
-/// Task numbers by what they give.
-#[derive(Default)]
-struct Results(Vec<(usize, Stage, Grid, usize)>);
-
-impl Results {
-    /// Tasks stand in the order of their steps: those of a step are found by bisection.
-    fn of_step(&self, step: usize) -> &[(usize, Stage, Grid, usize)] {
-        let from = self.0.partition_point(|r| r.0 < step);
-        let to = self.0.partition_point(|r| r.0 <= step);
-        &self.0[from..to]
-    }
-
-    fn find(&self, step: usize, grid: &Grid) -> usize {
-        let serves = |r: &&(usize, Stage, Grid, usize)| {
-            matches!(r.1, Stage::Gridless | Stage::Run | Stage::Lift) && r.2.contains(grid)
-        };
-        let found = self.of_step(step).iter().find(serves);
-        found.map(|r| r.3).expect("every window that is asked for was collected")
-    }
-
-    fn own(&self, step: usize, stage: Stage) -> usize {
-        let found = self.of_step(step).iter().find(|r| r.1 == stage);
-        found.map(|r| r.3).expect("a stage that is asked for was drafted")
-    }
-}
-
-/// Keeps a footprint inside the apron; one that lies wholly outside becomes the nearest line of it.
-fn clip(window: &Grid, terrain: &crate::value::Terrain) -> Grid {
-    let apron = terrain.apron(window.lattice);
-    let clamp = |start: i64, end: i64, lo: i64, hi: i64| {
-        let start = start.clamp(lo, hi - 1);
-        (start, end.clamp(start + 1, hi))
-    };
-    let (col, col_end) = clamp(window.col, window.col_end(), apron.col, apron.col_end());
-    let (row, row_end) = clamp(window.row, window.row_end(), apron.row, apron.row_end());
-    Grid::between(window.lattice, [col, row], [col_end, row_end])
 }

@@ -1,8 +1,8 @@
 //! Runs the tasks of a plan: independent ones side by side, within the budget of memory.
 //!
 //! Tasks start in order. The first that is not done may always run: the estimate of the peak is that of running in
-//! order. Others start ahead of it only while what they add fits beside that peak, so the account never goes over
-//! the budget and never comes to a standstill.
+//! order. Others start ahead of it only while what they hold fits beside what the tasks before them will, so the account
+//! never goes over the estimate and never comes to a standstill.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -16,8 +16,9 @@ use rayon::Scope;
 
 use super::cache::{Found, Given, Store, Warnings};
 use super::error::{Failure, SharedFailure};
+use super::outputs::Outputs;
 use super::plan::{Plan, Role, Stage, Task};
-use super::{lift, mix};
+use super::{Keep, lift, mix};
 use crate::node::{AnyNode, Cancel, Context, Error, Kind, Result};
 use crate::ports::{MASK, Wires};
 use crate::value::{Grid, Value};
@@ -91,15 +92,20 @@ pub(super) struct Ran {
 
 pub(super) struct Runner<'a> {
     pub plan: &'a Plan,
+    /// Results of the plan that were in memory, by task.
+    pub held: Vec<Option<(Given, Warnings)>>,
     pub store: &'a Store,
+    pub keep: Keep,
     pub pool: &'a rayon::ThreadPool,
     pub observer: &'a dyn Observer,
     pub cancel: &'a Cancel,
-    /// Bytes that tasks may add ahead of the first that is not done.
-    pub slack: u64,
-    /// Most tasks that run side by side; each also spreads its own work over the pool.
-    pub abreast: usize,
+    /// Most bytes that may be alive at once, by account: the peak of the plan, or more.
+    pub limit: u64,
 }
+
+/// How far beyond the first task that is not done others are looked for: enough for any number of threads, and little
+/// work where thousands are ready.
+const LOOK_AHEAD: usize = 1024;
 
 struct State {
     ends: Vec<Option<End>>,
@@ -107,6 +113,7 @@ struct State {
     missing: Vec<usize>,
     /// Tasks whose needs are done and that have not started.
     ready: BTreeSet<usize>,
+    /// Tasks that run; more than there are threads would only hold memory.
     running: usize,
     /// The first task that is not done.
     first: usize,
@@ -114,13 +121,14 @@ struct State {
     reports: BTreeMap<usize, TaskReport>,
     /// Bytes that tasks beyond the first unfinished one hold.
     ahead: BTreeMap<usize, u64>,
+    held: Vec<Option<(Given, Warnings)>>,
     alive: u64,
     peak: u64,
     lost: bool,
 }
 
 impl State {
-    fn new(plan: &Plan) -> Self {
+    fn new(plan: &Plan, held: Vec<Option<(Given, Warnings)>>) -> Self {
         let n = plan.tasks.len();
         let missing: Vec<usize> = plan.tasks.iter().map(|t| t.needs.len()).collect();
         Self {
@@ -132,8 +140,9 @@ impl State {
             uses: plan.uses(),
             reports: BTreeMap::new(),
             ahead: BTreeMap::new(),
-            alive: plan.held_bytes(),
-            peak: 0,
+            held,
+            alive: plan.standing_bytes(),
+            peak: plan.standing_bytes(),
             lost: false,
         }
     }
@@ -152,9 +161,9 @@ impl State {
 }
 
 impl Runner<'_> {
-    pub(super) fn run(&self) -> Ran {
+    pub(super) fn run(mut self) -> Ran {
         let consumers = self.plan.consumers();
-        let state = Mutex::new(State::new(self.plan));
+        let state = Mutex::new(State::new(self.plan, std::mem::take(&mut self.held)));
         self.pool.in_place_scope(|scope| self.launch(scope, &state, &consumers));
         let state = state.into_inner().unwrap_or_else(PoisonError::into_inner);
         let stopped = || Arc::new(Failure::Cancelled);
@@ -178,8 +187,9 @@ impl Runner<'_> {
         while let Some(i) = self.next(&guard) {
             let task = &self.plan.tasks[i];
             let given = guard.start(i, task);
+            let held = guard.held[i].take();
             scope.spawn(move |scope| {
-                let (end, report, lost) = self.execute(i, task, &given);
+                let (end, report, lost) = self.execute(i, task, held, &given);
                 drop(given);
                 let mut guard = lock();
                 guard.lost |= lost;
@@ -198,18 +208,42 @@ impl Runner<'_> {
 
     /// The first task that is ready and may start.
     fn next(&self, state: &State) -> Option<usize> {
-        if self.cancel.is_cancelled() || state.lost || state.running >= self.abreast {
+        let threads = self.pool.current_num_threads();
+        if self.cancel.is_cancelled() || state.lost || state.running >= threads {
             return None;
         }
+        let first = state.ready.first().copied()?;
+        if first == state.first {
+            return Some(first);
+        }
+        let (course, tasks) = (&self.plan.peak.course, &self.plan.tasks);
         let ahead: u64 = state.ahead.values().sum();
-        let fits = |i: &usize| *i == state.first || ahead + self.plan.tasks[*i].bytes() <= self.slack;
-        state.ready.iter().copied().find(fits)
+        // What the tasks up to there hold at most while they run in their order, with what is ahead already.
+        let reached = state.ahead.last_key_value().map_or(state.first, |(last, _)| *last);
+        let mut before = course[state.first..=reached].iter().copied().max().unwrap_or(0);
+        let mut next = reached + 1;
+        for &i in state.ready.range(..state.first.saturating_add(LOOK_AHEAD)) {
+            while next <= i {
+                before = before.max(course[next]);
+                next += 1;
+            }
+            if before.saturating_add(ahead) > self.limit {
+                return None;
+            }
+            if before.saturating_add(ahead).saturating_add(tasks[i].bytes()) <= self.limit {
+                return Some(i);
+            }
+        }
+        None
     }
 
     /// Enters the end of a task and lets go of what nobody needs any more.
     fn settle(&self, state: &mut State, i: usize, task: &Task, end: End, report: TaskReport) {
         state.running -= 1;
         state.alive = state.alive.saturating_sub(task.scratch_bytes());
+        if let Some(ahead) = state.ahead.get_mut(&i) {
+            *ahead = ahead.saturating_sub(task.scratch_bytes());
+        }
         let released = task.needs.iter().map(|(_, need)| *need).chain((state.uses[i] == 0).then_some(i));
         let released: Vec<usize> = released.collect();
         state.ends[i] = Some(end);
@@ -217,7 +251,7 @@ impl Runner<'_> {
         for t in released {
             state.uses[t] = state.uses[t].saturating_sub(1);
             if state.uses[t] == 0 {
-                state.alive = state.alive.saturating_sub(self.plan.tasks[t].output_bytes);
+                state.alive = state.alive.saturating_sub(self.plan.tasks[t].released_bytes());
                 // The end stays marked as done; the values go.
                 if let Some(Ok(given)) = &mut state.ends[t] {
                     *given = Arc::new(Given::Wires(Wires::default()));
@@ -230,7 +264,13 @@ impl Runner<'_> {
         state.ahead = state.ahead.split_off(&state.first);
     }
 
-    fn execute(&self, i: usize, task: &Task, needs: &[Option<End>]) -> (End, TaskReport, bool) {
+    fn execute(
+        &self,
+        i: usize,
+        task: &Task,
+        held: Option<(Given, Warnings)>,
+        needs: &[Option<End>],
+    ) -> (End, TaskReport, bool) {
         let step = self.plan.step(task);
         let start = Instant::now();
         self.observer.started(i);
@@ -238,19 +278,19 @@ impl Runner<'_> {
         let mut warnings = Warnings::default();
         let end = match inputs(needs) {
             Err(failure) => Err(failure),
-            Ok(given) => match &task.found {
-                Some(Found::Memory(given, said)) => {
-                    warnings = said.clone();
-                    Ok(Arc::new(given.clone()))
+            Ok(given) => match (&task.found, held) {
+                (Some(Found::Memory(..)), Some((given, said))) => {
+                    warnings = said;
+                    Ok(Arc::new(given))
                 }
-                Some(Found::Disk(path)) => match self.load(path, task, step.kind) {
-                    Ok(given) => Ok(Arc::new(given)),
+                (Some(Found::Disk(path)), _) => match self.load(path, task, step.kind) {
+                    Ok(given) => Ok(self.kept(task, step.kind, given, &warnings)),
                     Err(why) => {
                         lost = true;
                         Err(Arc::new(Failure::Cache(format!("{why}: {}", path.display()))))
                     }
                 },
-                None => self
+                _ => self
                     .compute(i, task, &given, &mut warnings)
                     .map_err(|error| Arc::new(Failure::of_run(&step.name, error))),
             },
@@ -276,9 +316,7 @@ impl Runner<'_> {
         let (Some(disk), Some(key)) = (&self.store.disk, task.key) else {
             return Err(io::ErrorKind::NotFound.into());
         };
-        let given = disk.get(path, &key, &task.grid, kind)?;
-        self.store.keep(key, task.grid, &given, &Warnings::default());
-        Ok(given)
+        disk.get(path, &key, &task.grid, kind)
     }
 
     fn compute(
@@ -323,13 +361,29 @@ impl Runner<'_> {
         let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)));
         *warnings = said.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect();
         let given = given?;
-        let Some(key) = task.key else { return Ok(Arc::new(given)) };
-        self.store.keep(key, task.grid, &given, warnings);
         // A file holds samples and no warnings.
-        if let Some(disk) = self.store.disk.as_ref().filter(|_| given.is_raster() && warnings.is_empty()) {
+        let disk = self.store.disk.as_ref().filter(|_| given.is_raster() && warnings.is_empty());
+        if let Some((disk, key)) = disk.zip(task.key) {
             disk.put(&key, &task.grid, &given);
         }
-        Ok(Arc::new(given))
+        Ok(self.kept(task, step.kind, given, warnings))
+    }
+
+    /// What of a result goes on to its readers; the store has its share.
+    fn kept(&self, task: &Task, kind: &Kind, given: Given, warnings: &Warnings) -> Arc<Given> {
+        if self.keep == Keep::Everything
+            && let Some(key) = task.key
+        {
+            self.store.keep(key, task.grid, &given, warnings);
+        }
+        let read = given.only(kind, task.read);
+        if self.keep == Keep::Lasting
+            && task.lasting
+            && let Some(key) = task.key
+        {
+            self.store.keep(key, task.grid, &read, warnings);
+        }
+        Arc::new(read)
     }
 }
 
@@ -364,9 +418,10 @@ fn stage(
     let mut out = match task.stage {
         Stage::Summary => return node.summarize(cx, own).map(Given::Summary),
         Stage::Gridless | Stage::Base | Stage::Run => node.run(cx, own)?,
-        Stage::Lift => lifted(cx, kind, needs)?,
+        Stage::Lift => lifted(cx, kind, task.read, needs)?,
     };
-    check(&task.grid, kind, &out)?;
+    let made = if task.stage == Stage::Lift { task.read } else { Outputs::all(kind) };
+    check(&task.grid, kind, made, &out)?;
     if !matches!(task.stage, Stage::Gridless | Stage::Base) && !kind.meta.mixes.is_empty() {
         let fine = fine_inputs(needs)?;
         if let Some(Value::Field(mask)) = fine.get(MASK.name) {
@@ -392,13 +447,13 @@ fn fine_inputs(needs: &Needs<'_>) -> Result<Wires> {
     Ok(fine)
 }
 
-/// The outputs of a global node on the grid of its consumer.
-fn lifted(cx: &Context<'_>, kind: &Kind, needs: &Needs<'_>) -> Result<Wires> {
+/// The outputs of a global node that are read, on the grid of its consumer.
+fn lifted(cx: &Context<'_>, kind: &Kind, read: Outputs, needs: &Needs<'_>) -> Result<Wires> {
     let base = needs.iter().find_map(|(role, g)| if *role == Role::Base { g.wires() } else { None });
     let base = base.ok_or(Error::Output { port: "", message: "was not computed on the base grid".into() })?;
     let fine = fine_inputs(needs)?;
     let mut out = Wires::default();
-    for (port, after) in base.iter() {
+    for (port, after) in base.iter().filter(|(port, _)| read.has(kind, port)) {
         let carried = kind.meta.carries.iter().find(|(output, _)| *output == port).map(|(_, input)| *input);
         let before = carried.and_then(|input| {
             needs.iter().find_map(|(role, g)| match role {
@@ -415,9 +470,9 @@ fn lifted(cx: &Context<'_>, kind: &Kind, needs: &Needs<'_>) -> Result<Wires> {
     Ok(out)
 }
 
-/// Law 8: every output is there, on its grid, of its type, and finite.
-fn check(grid: &Grid, kind: &'static Kind, out: &Wires) -> Result<()> {
-    for port in kind.outputs {
+/// Law 8: every output that was to be made is there, on its grid, of its type, and finite.
+fn check(grid: &Grid, kind: &'static Kind, made: Outputs, out: &Wires) -> Result<()> {
+    for port in made.ports(kind) {
         let bad = |message: String| Err(Error::Output { port: port.name, message });
         match out.get(port.name) {
             None if port.required => return bad("is missing".into()),

@@ -37,6 +37,7 @@ pub(super) static TEXT: Form = Form {
     flips: false,
     voids: true,
     write,
+    nanoseconds: 140.0,
     holds: "Esri ASCII grid, every number to the bit",
     purpose: "old GIS",
 };

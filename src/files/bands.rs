@@ -13,6 +13,18 @@ use super::watch::Watch;
 /// Bytes of a band before it is pressed: long enough that closing it costs nothing, short enough to share out.
 const BAND_BYTES: usize = 1 << 18;
 
+/// Bands a thread that are in memory at once: enough that no thread waits for the disk.
+const AT_ONCE: usize = 8;
+/// Rows of the tallest band that a format prescribes, whatever their length: the blocks of EXR.
+const TALLEST: usize = 16;
+
+/// Bytes that a writer takes beside what it writes: the bands that are in memory at once, and those at work with what they
+/// are pressed into.
+pub(super) fn held_bytes(cols: usize, channels: usize, threads: usize) -> u64 {
+    let band = (TALLEST * cols * channels * size_of::<f32>()).max(BAND_BYTES);
+    ((AT_ONCE + 3) * threads * band) as u64
+}
+
 /// Some rows that are pressed together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Band {
@@ -62,7 +74,7 @@ pub(super) fn in_order<T: Send>(
     make: impl Fn(Band) -> T + Sync,
     mut take: impl FnMut(Band, T) -> io::Result<()>,
 ) -> Result<(), WriteError> {
-    let (count, batch) = (split.count(), 8 * rayon::current_num_threads());
+    let (count, batch) = (split.count(), AT_ONCE * rayon::current_num_threads());
     for first in (0..count).step_by(batch) {
         watch.check(first as f32 / count as f32)?;
         let made: Vec<_> =

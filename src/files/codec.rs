@@ -59,6 +59,8 @@ pub struct Form {
     /// Whether a void can be told from a height.
     pub voids: bool,
     pub(super) write: fn(&Sheet<'_>, &mut dyn Sink) -> Result<Written, WriteError>,
+    /// Nanoseconds a number to put it into the form of the file and to press it, on one core, for plans.
+    pub nanoseconds: f64,
     /// For the table of docs/files.md: what it holds.
     pub holds: &'static str,
     /// For the table of docs/files.md: who wants it.

@@ -28,6 +28,7 @@ mod input;
 mod pfm;
 mod place;
 mod png;
+mod price;
 mod quantize;
 mod raw;
 mod reading;
@@ -52,6 +53,7 @@ pub use height::{Encoding, HeightFile, Limits, Origin, read_height, read_height_
 pub use info::{Info, info};
 pub use input::{Claim, Companion, Input, companions};
 pub use place::{Affine, Anchor, Placement, Units};
+pub use price::{WriterCost, writer_cost};
 pub use reading::Reading;
 pub use relief::{Closing, Relief, Request};
 pub use sheet::Sink;

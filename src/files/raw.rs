@@ -43,6 +43,7 @@ pub(super) static INTEGERS: Form = Form {
     flips: true,
     voids: false,
     write: write_integers,
+    nanoseconds: 5.0,
     holds: "16-bit integers and nothing else, little-endian",
     purpose: "Unity, Unreal, World Machine …",
 };
@@ -56,6 +57,7 @@ pub(super) static FLOATS: Form = Form {
     flips: true,
     voids: true,
     write: write_floats,
+    nanoseconds: 5.0,
     holds: "32-bit floats and nothing else, little-endian",
     purpose: "Houdini, World Machine …",
 };

@@ -54,8 +54,8 @@ pub fn nanoseconds(window: &Grid, sigma: f64) -> f64 {
     let input = footprint(*window, sigma);
     let apron = 2.0 * f64::from(window.lattice.intervals) + 4.0;
     let read = (input.cols as f64).min(apron) * (input.rows as f64).min(apron) / window.len().max(1) as f64;
-    let taps = plan.taps.len() as f64 * 0.4;
-    if plan.levels == 0 { 1.0 + taps } else { 2.0 + 1.2 * read + taps * 0.1 }
+    let taps = plan.taps.len() as f64 * 0.5;
+    if plan.levels == 0 { 1.0 + taps } else { 3.0 + 5.0 * read + taps * 0.1 }
 }
 
 /// Smooths a field by a Gaussian of standard deviation `sigma`, in metres.

@@ -94,9 +94,15 @@ pub fn scratch(window: &Grid, radius: f64) -> u64 {
 /// Nanoseconds a sample on one core; the radius in metres.
 pub fn nanoseconds(window: &Grid, radius: f64) -> f64 {
     let plan = Plan::new(radius / window.cell());
+    if plan.reach() == 0 {
+        return 1.0;
+    }
     let share = plan.extent() as f64 / plan.block() as f64;
     let (rim, spacing) = (4.0 * plan.radius + 2.0, plan.spacing as f64);
-    (60.0 + share * share * 60.0 + rim * spacing * 2.5) / (plan.step() * plan.step()) as f64 + 15.0
+    let each =
+        (60.0 + share * share * 60.0 + rim * spacing * 2.5) / (plan.step() * plan.step()) as f64 + 15.0;
+    // Wide disks leave the fast cache.
+    each * (1.0 + plan.radius / 60.0).min(4.0)
 }
 
 /// The median over a disk around each point of `window`; the radius in metres, the rim included.

@@ -19,6 +19,17 @@ pub enum Interpolation {
     Cubic,
 }
 
+impl Interpolation {
+    /// Nanoseconds a sample on one core, from memory that lies in order.
+    pub fn nanoseconds(self) -> f64 {
+        match self {
+            Self::Nearest => 24.0,
+            Self::Linear => 47.0,
+            Self::Cubic => 64.0,
+        }
+    }
+}
+
 /// Reads a field at positions in lattice steps; beyond the window its border value continues.
 ///
 /// A position is a column and row of the field's lattice with a fraction. The value depends on the position and

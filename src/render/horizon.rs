@@ -11,7 +11,7 @@ use crate::node::Result;
 /// Directions in which the sky is looked at.
 const DIRECTIONS: usize = 16;
 /// Largest side of the grid on which the sky's share is computed; it varies smoothly and is interpolated.
-const SKY_GRID: usize = 1280;
+pub(super) const SKY_GRID: usize = 1280;
 /// Radius of the sun in a shadow's penumbra, in degrees: about twice the real one.
 const SUN_RADIUS: f64 = 0.55;
 

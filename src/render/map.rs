@@ -19,19 +19,8 @@ use crate::node::Result;
 pub fn map(scene: &Scene<'_>, width: Option<usize>, watch: &Watch<'_>) -> Result<Picture> {
     scene.check()?;
     let grid = scene.height.grid();
-    let from = [grid.cols, grid.rows];
-    let size = match width {
-        None => working_grid(from, super::MAX_WORK),
-        Some(width) => {
-            picture_side("width", width)?;
-            let height = (width as f64 * grid.rows as f64 / grid.cols as f64).round() as usize;
-            [width, height.clamp(1, MAX_PIXELS)]
-        }
-    };
-    let work = [0, 1].map(|k| {
-        if from[k] < size[k] { size[k] } else { from[k].min(3 * size[k]).min(size[k].max(super::MAX_WORK)) }
-            .max(2)
-    });
+    width.map_or(Ok(()), |width| picture_side("width", width))?;
+    let (size, work) = sizes([grid.cols, grid.rows], width);
     let surface = Surface::new(scene, work, &watch.stage(0.0, 0.1))?;
     let sky = Sky::new(scene.sun, scene.exposure);
     let mut lit = Lit::new(scene, &surface, &sky, &watch.stage(0.1, 0.9))?;
@@ -48,6 +37,22 @@ pub fn map(scene: &Scene<'_>, width: Option<usize>, watch: &Watch<'_>) -> Result
     let screen = resampled(&watch.stage(0.95, 1.0), &lit.color.data, work, size)?;
     let rgb = screen.data.iter().map(|&light| encoded(light, 0.0)).collect();
     Ok(Picture { width: size[0], height: size[1], rgb })
+}
+
+/// The size of a map of a grid of so many columns and rows, and that of the grid on which its light is computed.
+pub(super) fn sizes(from: [usize; 2], width: Option<usize>) -> ([usize; 2], [usize; 2]) {
+    let size = match width {
+        None => working_grid(from, super::MAX_WORK),
+        Some(width) => {
+            let height = (width as f64 * from[1] as f64 / from[0] as f64).round() as usize;
+            [width, height.clamp(1, MAX_PIXELS)]
+        }
+    };
+    let work = [0, 1].map(|k| {
+        if from[k] < size[k] { size[k] } else { from[k].min(3 * size[k]).min(size[k].max(super::MAX_WORK)) }
+            .max(2)
+    });
+    (size, work)
 }
 
 /// What the heights of the surface count from, times the exaggeration.

@@ -24,6 +24,7 @@ mod material;
 mod perspective;
 mod picture;
 mod plane;
+mod price;
 mod sketch;
 mod sky;
 mod surface;
@@ -35,6 +36,7 @@ pub use camera::{Camera, Edge};
 pub use map::map;
 pub use perspective::perspective;
 pub use picture::Picture;
+pub use price::{map_cost, perspective_cost};
 pub use thumbnail::thumbnail;
 
 use crate::context::Cancel;

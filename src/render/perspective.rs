@@ -17,7 +17,7 @@ const HAZE: [f64; 3] = [0.20, 0.27, 0.38];
 /// Height over which the haze thins to a third, as a share of the longer side.
 const HAZE_HEIGHT: f64 = 0.10;
 /// How far the land goes on where it fades into haze, as a share of the longer side.
-const MARGIN: f64 = 0.35;
+pub(super) const MARGIN: f64 = 0.35;
 /// Contrast within a pixel above which it is looked at more closely, in light of the screen.
 const CONTRAST: f32 = 0.05;
 /// Radius of the sun as it blurs the block's shadow on the floor, in radians.
@@ -40,7 +40,7 @@ pub fn perspective(scene: &Scene<'_>, camera: &Camera, watch: &Watch<'_>) -> Res
     camera.check()?;
     let grid = scene.height.grid();
     let from = [grid.cols, grid.rows];
-    let longest = (3 * camera.width.max(camera.height)).max(1024);
+    let longest = longest(camera);
     let watch_surface = watch.stage(0.0, 0.05);
     let surface = match camera.edge {
         Edge::Block => Surface::new(scene, working_grid(from, longest), &watch_surface)?,
@@ -60,6 +60,11 @@ pub fn perspective(scene: &Scene<'_>, camera: &Camera, watch: &Watch<'_>) -> Res
         }
     })?;
     Ok(Picture { width: camera.width, height: camera.height, rgb })
+}
+
+/// Most samples along a side of the working grid: some for each pixel.
+pub(super) fn longest(camera: &Camera) -> usize {
+    (3 * camera.width.max(camera.height)).max(1024)
 }
 
 /// All that a ray may meet.

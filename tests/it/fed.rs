@@ -32,10 +32,15 @@ pub(crate) fn shipped() -> Vec<&'static Kind> {
     orograph::nodes::Registry::standard().iter().collect()
 }
 
-pub(crate) fn engine(threads: usize) -> Engine {
+/// The folder with the small files.
+pub(crate) fn files() -> Files {
     let mut files = Files::default();
     files.allow_folder(FOLDER.path()).unwrap();
-    Engine::new(&Options { threads, ..Options::default() }, files).unwrap()
+    files
+}
+
+pub(crate) fn engine(threads: usize) -> Engine {
+    Engine::new(&Options { threads, ..Options::default() }, files()).unwrap()
 }
 
 /// A graph in which one node of a kind is fed busy fields: heights, and masks where the input is one.

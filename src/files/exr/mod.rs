@@ -30,6 +30,7 @@ pub(super) static FLOATS: Form = Form {
     flips: true,
     voids: true,
     write: write::floats,
+    nanoseconds: 180.0,
     holds: "f32, ZIP; channel `Y`; colours as linear light",
     purpose: "heights, to the bit",
 };

@@ -30,6 +30,7 @@ pub(super) static EIGHT: Form = Form {
     flips: true,
     voids: false,
     write: write::eight,
+    nanoseconds: 30.0,
     holds: "8 bits grey or colour",
     purpose: "pictures",
 };
@@ -43,6 +44,7 @@ pub(super) static SIXTEEN: Form = Form {
     flips: true,
     voids: false,
     write: write::sixteen,
+    nanoseconds: 70.0,
     holds: "16 bits grey or colour",
     purpose: "masks, engines",
 };

@@ -42,6 +42,7 @@ pub(super) static FLOATS: Form = Form {
     flips: false,
     voids: true,
     write: write::floats,
+    nanoseconds: 100.0,
     holds: "GeoTIFF f32, deflate with predictor 3, pixel is point; colours too",
     purpose: "heights, to the bit, with their place",
 };
@@ -55,6 +56,7 @@ pub(super) static INTEGERS: Form = Form {
     flips: false,
     voids: true,
     write: write::integers,
+    nanoseconds: 70.0,
     holds: "GeoTIFF of 16 bits, deflate with predictor 2. With a range: unsigned, GDAL's scale and offset give metres \
             back. Without: signed whole metres",
     purpose: "GIS that wants integers",
