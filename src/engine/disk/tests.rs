@@ -104,7 +104,7 @@ fn a_lying_header_is_damage() {
     let huge = u64::MAX;
     for (from, to) in [
         ("\"components\":6".to_owned(), format!("\"components\":{huge}")),
-        ("\"components\":6".to_owned(), format!("\"components\":{}", huge / 4 + 2)),
+        ("\"components\":6".to_owned(), format!("\"components\":{}", huge / 4 + 7)),
         ("\"components\":6".to_owned(), "\"components\":5".to_owned()),
         ("\"summary\":null".to_owned(), format!("\"summary\":{}", huge / 8 + 1)),
         ("[-1,2,3,2]".to_owned(), format!("[{},2,3,2]", i64::MIN)),
