@@ -23,5 +23,6 @@ mod plans;
 mod readme;
 mod render;
 mod select;
+mod sidecars;
 mod sources;
 mod strangers;
