@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value as Json, json};
 
+use super::args::parse_positive;
 use super::exit::{Exit, Stop, print_lines, save_known};
 use super::height::{self, ReadArgs};
 use super::open;
@@ -12,7 +13,7 @@ use crate::graph::{Graph, NodeId, Place, Problem};
 use crate::node::Cancel;
 use crate::nodes::Registry;
 use crate::nodes::files::import_height::ImportHeight;
-use crate::units::Metres;
+use crate::units::{Degrees, Metres};
 use crate::whole::Known;
 
 #[derive(Debug, clap::Args)]
@@ -28,7 +29,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N")]
     base: Option<u32>,
     /// Metres between the samples of a file that does not say
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", value_parser = parse_positive, allow_hyphen_values = true)]
     cell: Option<f64>,
     #[command(flatten)]
     read: ReadArgs,
@@ -119,6 +120,9 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// At true size, upright, in the middle of the terrain.
+const MIDDLE: Placing = Placing::TrueSize { x: Metres(0.0), y: Metres(0.0), rotation: Degrees(0.0) };
+
 /// A graph that is being fitted, and what was set in it.
 struct Fitting<'a> {
     graph: &'a mut Graph,
@@ -153,14 +157,8 @@ impl Fitting<'_> {
                 Placing::Stretch if fit.is_exact() => (),
                 // What is stretched over a terrain that is a little smaller is not cropped.
                 Placing::Stretch | Placing::TrueSize { .. } => {
-                    let middle = json!({ "true_size": { "x": 0, "y": 0, "rotation": 0 } });
-                    if node.placement
-                        != (Placing::TrueSize {
-                            x: Metres(0.0),
-                            y: Metres(0.0),
-                            rotation: Default::default(),
-                        })
-                    {
+                    if node.placement != MIDDLE {
+                        let middle = json!({ "true_size": { "x": 0, "y": 0, "rotation": 0 } });
                         self.put(&format!("{name}.placement"), middle);
                     }
                     if file.placement.cell.is_none() {
