@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 pub use crate::files::Placing;
 use crate::files::{
-    ByteOrder, Claim, Closing, Companion, Encoding, Fault, Input, LONGEST_SIDECAR, Limits, Pose, RawSample, Reading,
-    Relief, Request, Watch, apart, companions, last_name,
+    ByteOrder, Claim, Closing, Companion, Encoding, Fault, Input, LONGEST_SIDECAR, Limits, Pose, RawSample,
+    Reading, Relief, Request, Watch, apart, companions, last_name,
 };
 use crate::node::SourceFile;
 use crate::prelude::*;

@@ -11,8 +11,8 @@ use super::args::{parse_bytes, parse_finite};
 use super::exit::{Exit, Stop};
 use crate::engine::default_budget;
 use crate::files::{
-    ByteOrder, Claim, Companion, Encoding, Fault, HeightFile, Input, LONGEST_SIDECAR, Limits, RawSample, Reading, Watch,
-    companions,
+    ByteOrder, Claim, Companion, Encoding, Fault, HeightFile, Input, LONGEST_SIDECAR, Limits, RawSample,
+    Reading, Watch, companions,
 };
 use crate::node::Cancel;
 use crate::source::ReadAt;
@@ -126,14 +126,7 @@ pub(super) fn read(
     let companions: Vec<_> = beside.iter().map(|(name, bytes)| Companion { name, bytes }).collect();
     let limits = Limits::default();
     let watch = Watch { cancel: Some(cancel), ..Watch::default() };
-    let input = Input {
-        name: &name,
-        bytes: &file,
-        companions: &companions,
-        reading,
-        limits: &limits,
-        watch,
-    };
+    let input = Input { name: &name, bytes: &file, companions: &companions, reading, limits: &limits, watch };
     let claim = input.claim().map_err(|e| Stop::new(exit(&e.fault), e))?;
     admit(&name, &claim, bytes_a_sample, budget)?;
     input.read().map_err(|e| Stop::new(exit(&e.fault), e))
