@@ -30,9 +30,10 @@ registry! {
         multifractal: Multifractal,
     }
 
-    /// Reads height files.
+    /// Reads heights and pictures from files.
     files {
         import_height: ImportHeight,
+        import_picture: ImportPicture,
     }
 
     /// Draws, reads and changes feature curves, and makes land of them.

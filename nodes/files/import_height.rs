@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+pub use crate::files::Placing;
 use crate::files::{
-    Affine, Claim, Closing, Companion, Encoding, Fault, Input, Limits, Reading, Relief, Request, Units,
-    Watch, apart, companions,
+    ByteOrder, Claim, Closing, Companion, Encoding, Fault, Input, LONGEST_SIDECAR, Limits, Pose, RawSample,
+    Reading, Relief, Request, Watch, apart, companions, last_name,
 };
 use crate::node::SourceFile;
 use crate::prelude::*;
-use crate::source::HEAD_BYTES;
 
 /// Seconds that decoding a sample takes, with the spline through it.
 const DECODING_SECONDS: f64 = 30e-9;
@@ -24,7 +24,12 @@ const DECODING_SECONDS: f64 = 30e-9;
 /// PNG, r16 and r32 whose sidecar gives a range) need neither. In the others a value is the plain number in the file,
 /// 0 to 65535 or 0 to 255, and the scale says how many metres a step is.
 ///
-/// Voids of the file come out as a mask and are closed from their border inwards by a smooth membrane.
+/// Voids of the file come out as a mask and are closed from their border inwards by a smooth membrane. Where the file
+/// does not name the number that marks them, `nodata` does. Raw files are samples and nothing else: what they are is
+/// said by `sample`, `byte_order` and `cols`, or by a sidecar.
+///
+/// A file of other proportions than the terrain is distorted when it is stretched over it; by more than one per cent, a
+/// warning says so. `orograph fit` makes a terrain that fits.
 ///
 /// # Limits
 /// A georeferenced file must be in the coordinate system of the terrain: nothing is reprojected. Degrees and web
@@ -50,33 +55,20 @@ pub struct ImportHeight {
     /// The channel of an OpenEXR file, by its name, or the band of a TIFF or `.bil`, by its number; empty takes the one
     /// that its name gives away, or the first.
     pub channel: String,
+    /// A number of the file that marks voids, beside the one that the file names.
+    #[schemars(range(min = -1.0e9, max = 1.0e9), extend("x-soft" = [-32768.0, 65535.0]))]
+    pub nodata: Option<Number>,
+    /// The type of the samples of a raw file; none takes what its sidecar says, or its extension.
+    pub sample: Option<RawSample>,
+    /// Which byte of a sample of a raw file comes first; none takes what its sidecar says, or the lowest.
+    pub byte_order: Option<ByteOrder>,
+    /// Samples in a row of a raw file; none takes what its sidecar says, or those of a square.
+    #[schemars(range(min = 1, max = 262_144), extend("x-unit" = "1", "x-soft" = [1, 8193]))]
+    pub cols: Option<u32>,
     /// What runs between the samples of the file.
     pub interpolation: Interpolation,
     /// How voids are closed.
     pub fill: Fill,
-}
-
-/// Where a file goes on the terrain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Placing {
-    /// Over the whole terrain, each axis by itself.
-    #[default]
-    Stretch,
-    /// Where its coordinates say, in the coordinate system of the terrain.
-    Georeference,
-    /// At its own size.
-    TrueSize {
-        /// Where its middle lies east of the middle of the terrain.
-        #[serde(default)]
-        x: Metres,
-        /// Where its middle lies south of the middle of the terrain.
-        #[serde(default)]
-        y: Metres,
-        /// How far it is turned clockwise, seen from above.
-        #[serde(default)]
-        rotation: Degrees,
-    },
 }
 
 /// What runs between the samples of a file.
@@ -115,6 +107,10 @@ impl Default for ImportHeight {
             height_offset: Metres(0.0),
             encoding: Encoding::default(),
             channel: String::new(),
+            nodata: None,
+            sample: None,
+            byte_order: None,
+            cols: None,
             interpolation: Interpolation::default(),
             fill: Fill::default(),
         }
@@ -136,7 +132,7 @@ ports! {
 impl Node for ImportHeight {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta = Meta::new().reads(Reads::TERRAIN).keywords(&[
+    const META: Meta = Meta::new().reads(Reads::TERRAIN).migrations(&[same]).keywords(&[
         "dem",
         "heightmap",
         "elevation",
@@ -172,7 +168,7 @@ impl Node for ImportHeight {
         let content = Cost::of_reading(files);
         let [file, rest @ ..] = files else { return content };
         // A file that cannot be read takes nothing more: the run says what is wrong with it.
-        let small = rest.iter().filter(|f| f.len() <= HEAD_BYTES);
+        let small = rest.iter().filter(|f| f.len() <= LONGEST_SIDECAR);
         let beside: Vec<_> = small.filter_map(|f| Some((f.name(), f.head().ok()?))).collect();
         let beside: Vec<_> = beside.iter().map(|(name, bytes)| Companion { name, bytes }).collect();
         let Ok(claim) = claim(file, &beside, &self.reading_as()) else { return content };
@@ -183,21 +179,31 @@ impl Node for ImportHeight {
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {
         let relief = self.relief(cx)?;
-        let pose = self.pose(cx.terrain()?, &relief)?;
+        let terrain = cx.terrain()?;
+        let raster = relief.placed(self.cell);
+        let pose = self.placement.pose(terrain, &raster)?;
+        self.placement.warning(terrain, &raster).into_iter().for_each(|warning| cx.warn(warning));
         relief.notes.iter().for_each(|note| cx.warn(note.clone()));
         cx.check()?;
         Ok(Outputs {
             height: self.heights(&cx.stage(0.2, 0.8), &relief, &pose)?,
-            voids: mask(&cx.stage(0.8, 0.9), &pose, relief.has_voids(), |u, v| relief.is_void(u, v))?,
-            inside: mask(&cx.stage(0.9, 1.0), &pose, true, |u, v| relief.contains(u, v))?,
+            voids: pose.mask(&cx.stage(0.8, 0.9), relief.has_voids(), |u, v| relief.is_void(u, v))?,
+            inside: pose.mask(&cx.stage(0.9, 1.0), true, |u, v| raster.contains(u, v))?,
         })
     }
 }
 
 impl ImportHeight {
     /// What the parameters say of the file.
-    fn reading_as(&self) -> Reading {
-        Reading { encoding: self.encoding, channel: (!self.channel.is_empty()).then(|| self.channel.clone()) }
+    pub fn reading_as(&self) -> Reading {
+        Reading {
+            encoding: self.encoding,
+            channel: (!self.channel.is_empty()).then(|| self.channel.clone()),
+            nodata: self.nodata.map(|n| n.0),
+            sample: self.sample,
+            byte_order: self.byte_order,
+            cols: self.cols.map(u64::from),
+        }
     }
 
     /// The surface of the file, made once however many tiles and nodes ask.
@@ -211,18 +217,20 @@ impl ImportHeight {
         let names = companions(name);
         let mut found = Vec::new();
         for name in &names {
-            if let Some(file) = cx.file(&FilePath(name.clone())) {
-                found.push((name, beside(cx, file)?));
+            if let Some(file) = cx.file(&FilePath(name.clone()))
+                && let Some(bytes) = beside(cx, file)?
+            {
+                found.push((name, bytes));
             }
         }
         let companions: Vec<_> = found.iter().map(|(name, bytes)| Companion { name, bytes }).collect();
-        let reading = self.reading_as();
         let (scale, offset) = (self.height_scale.0, self.height_offset.0);
         let closing = match self.fill {
             Fill::Smooth => Closing::Smooth,
             Fill::Level { height } if scale != 0.0 => Closing::Level(((height.0 - offset) / scale) as f32),
             Fill::Level { .. } => Closing::Level(0.0),
         };
+        let reading = self.reading_as();
         let way = Request {
             name,
             companions: &companions,
@@ -242,70 +250,6 @@ impl ImportHeight {
             let held = relief.held_bytes();
             Ok((relief, held))
         })
-    }
-
-    /// How world coordinates become positions in the file.
-    fn pose(&self, terrain: &Terrain, relief: &Relief) -> Result<Pose> {
-        let last = [(relief.cols - 1) as f64, (relief.rows - 1) as f64];
-        match self.placement {
-            Placing::Stretch => Ok(Pose {
-                origin: terrain.origin,
-                start: [0.0, 0.0],
-                x: [last[0] / terrain.width, 0.0],
-                y: [0.0, last[1] / terrain.depth],
-            }),
-            Placing::TrueSize { x, y, rotation } => {
-                let [dx, dy] = match self.cell {
-                    Some(cell) => [cell.0; 2],
-                    None => relief.placement.cell.ok_or_else(|| {
-                        self.bad("cell", "must be set: the file does not say how far apart its samples are")
-                    })?,
-                };
-                let [sin, cos] = sin_cos(rotation.0);
-                let [ox, oy] = terrain.origin;
-                Ok(Pose {
-                    origin: [ox + terrain.width / 2.0 + x.0, oy + terrain.depth / 2.0 + y.0],
-                    start: [last[0] / 2.0, last[1] / 2.0],
-                    x: [cos / dx, -sin / dy],
-                    y: [sin / dx, cos / dy],
-                })
-            }
-            Placing::Georeference => self.georeferenced(terrain, relief),
-        }
-    }
-
-    fn georeferenced(&self, terrain: &Terrain, relief: &Relief) -> Result<Pose> {
-        let no = |message: &str| self.bad("placement", message);
-        let geo = terrain.geo.ok_or_else(|| {
-            no("is by georeference, and the terrain has no `geo`: it lies nowhere on Earth")
-        })?;
-        let place = relief.placement;
-        let affine: Affine =
-            place.affine.ok_or_else(|| no("is by georeference, and the file has no coordinates"))?;
-        match place.epsg {
-            Some(epsg) if epsg == geo.epsg => (),
-            Some(epsg) => {
-                let (want, hint) = (geo.epsg, "reproject it, or place it at true size");
-                return Err(no(&format!(
-                    "is by georeference: the file is in EPSG:{epsg}, the terrain in EPSG:{want}; {hint}"
-                )));
-            }
-            None => return Err(no("is by georeference, and the file names no EPSG code")),
-        }
-        if !matches!(place.units, Units::Length(1.0) | Units::WebMercator) {
-            return Err(no("is by georeference, and the file's coordinates are not in metres"));
-        }
-        let inverse = affine
-            .inverse()
-            .ok_or_else(|| no("is by georeference, and the file's coordinates span no plane"))?;
-        // The map is linear: three points tell it.
-        let start = inverse([geo.east, geo.north]);
-        let (east, south) = (affine_step(&affine, [1.0, 0.0]), affine_step(&affine, [0.0, -1.0]));
-        Ok(Pose { origin: terrain.origin, start, x: east, y: south })
-    }
-
-    fn bad(&self, name: &str, message: &str) -> Error {
-        Error::Parameter { name: name.into(), message: message.into() }
     }
 
     fn heights(&self, cx: &Context<'_>, relief: &Relief, pose: &Pose) -> Result<Field> {
@@ -343,68 +287,14 @@ fn claim(file: &SourceFile, companions: &[Companion<'_>], reading: &Reading) -> 
 }
 
 /// The content of a file beside another one, which is a page of text at most.
-fn beside(cx: &Context<'_>, sidecar: &SourceFile) -> Result<Vec<u8>> {
-    let (len, file) = (sidecar.len(), sidecar.name().to_owned());
-    if len > HEAD_BYTES {
-        let message =
-            format!("as a file beside another one must have {HEAD_BYTES} bytes at most, it has {len}");
-        return Err(Error::File { parameter: "file", file, message });
+fn beside(cx: &Context<'_>, file: &SourceFile) -> Result<Option<Vec<u8>>> {
+    let (len, name) = (file.len(), last_name(file.name()));
+    if len > LONGEST_SIDECAR {
+        cx.warn(format!("`{name}` is not read: it has {len} bytes, and what stands beside a file has {LONGEST_SIDECAR} at most"));
+        return Ok(None);
     }
-    cx.stage(0.0, 0.01).read("file", sidecar)
+    cx.stage(0.0, 0.01).read("file", file).map(Some)
 }
 
-/// From world coordinates to positions in a file, in steps from its north-west sample.
-struct Pose {
-    /// A place in the world.
-    origin: [f64; 2],
-    /// Its position in the file.
-    start: [f64; 2],
-    /// How the position changes with a metre to the east.
-    x: [f64; 2],
-    /// How the position changes with a metre to the south.
-    y: [f64; 2],
-}
-
-impl Pose {
-    fn is_upright(&self) -> bool {
-        self.x[1] == 0.0 && self.y[0] == 0.0
-    }
-
-    fn at(&self, x: f64, y: f64) -> [f64; 2] {
-        let (x, y) = (x - self.origin[0], y - self.origin[1]);
-        [self.start[0] + x * self.x[0] + y * self.y[0], self.start[1] + x * self.x[1] + y * self.y[1]]
-    }
-}
-
-/// How the position in a file changes along a step of its coordinates.
-fn affine_step(a: &Affine, [x, y]: [f64; 2]) -> [f64; 2] {
-    let det = a.col[0] * a.row[1] - a.col[1] * a.row[0];
-    [(x * a.row[1] - y * a.row[0]) / det, (a.col[0] * y - a.col[1] * x) / det]
-}
-
-/// Sine and cosine of an angle in degrees, exact for quarter turns.
-fn sin_cos(degrees: f64) -> [f64; 2] {
-    match degrees.rem_euclid(360.0) {
-        0.0 => [0.0, 1.0],
-        90.0 => [1.0, 0.0],
-        180.0 => [0.0, -1.0],
-        270.0 => [-1.0, 0.0],
-        other => {
-            let (sin, cos) = libm::sincos(other.to_radians());
-            [sin, cos]
-        }
-    }
-}
-
-/// A mask of where something holds.
-fn mask(cx: &Context<'_>, pose: &Pose, ever: bool, holds: impl Fn(f64, f64) -> bool + Sync) -> Result<Field> {
-    let xs = cx.grid.xs();
-    cx.fill(Quantity::Mask, |row, out| {
-        if ever {
-            for (o, x) in out.iter_mut().zip(&xs) {
-                let [u, v] = pose.at(*x, row.y);
-                *o = f32::from(u8::from(holds(u, v)));
-            }
-        }
-    })
-}
+/// Version 2 believes a sidecar of the file alone and reads more of what files say: the parameters stay.
+fn same(_: &mut serde_json::Map<String, serde_json::Value>) {}

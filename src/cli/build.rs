@@ -218,6 +218,9 @@ impl Build<'_> {
         )?;
         let files: Vec<String> =
             jobs.iter().flat_map(|j| tiles.iter().flat_map(|t| j.files(t, self.cut))).collect();
+        let with_sidecars =
+            jobs.iter().flat_map(|j| tiles.iter().filter_map(|t| j.with_sidecar(t, self.cut)));
+        with_sidecars.into_iter().try_for_each(|file| folder.spare_sidecar(&file))?;
         folder.claim(&files)?;
         if let Some(tile) = tiles.first() {
             let (names, wants): (Vec<String>, Vec<Want>) =

@@ -8,6 +8,7 @@ use cap_std::fs::Dir;
 use super::args::{parse_finite, parse_positive};
 use super::exit::{Exit, Stop, save, tell};
 use super::height;
+use super::sidecars::spare_sidecars;
 use crate::files::{Format, Watch, Writing, encode_file, sidecar_name};
 use crate::node::Cancel;
 use crate::whole::{self, Known};
@@ -59,8 +60,10 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     if args.output.symlink_metadata().is_ok() && !args.overwrite {
         return Err(Stop::usage(format!("{} is there already; say --overwrite", args.output.display())));
     }
-    let mut file = height::read(&args.input, &args.read, args.memory.budget(), 0, cancel)?;
-    file.origin.notes.iter().for_each(|n| tell(&format!("note: {n}")));
+    if format.has_sidecar(1) {
+        spare_sidecars(&args.output, std::slice::from_ref(&args.input), args.overwrite)?;
+    }
+    let mut file = height::read(&args.input, &args.read.reading(), args.memory.budget(), 0, cancel)?;
     let (scale, offset) = (args.height_scale, args.height_offset);
     if (scale, offset) != (1.0, 0.0) {
         file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
@@ -72,7 +75,7 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     }
     cancel.check().map_err(|e| Stop::new(Exit::Cancelled, e))?;
     let watch = Watch { cancel: Some(cancel), ..Watch::default() };
-    let writing = Writing { range, clip: args.clip, flip: args.flip, watch, ..format.into() };
+    let writing = Writing { file: &name, range, clip: args.clip, flip: args.flip, watch, ..format.into() };
     let folder = args.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let cannot =
         |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot open {}: {e}", folder.display()));
@@ -83,7 +86,7 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     if let Some(sidecar) = &written.sidecar {
         save(&folder.join(sidecar_name(&name)), format!("{sidecar:#}\n").as_bytes())?;
     }
-    written.notes.iter().for_each(|n| tell(&format!("note: {n}")));
+    file.origin.notes.iter().chain(&written.notes).for_each(|n| tell(&format!("note: {n}")));
     Ok(Exit::Done)
 }
 

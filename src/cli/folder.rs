@@ -14,6 +14,7 @@ use cap_std::fs::{Dir, OpenOptions};
 use serde_json::{Value as Json, json};
 
 use super::exit::{Exit, Stop, json_text, spare_inputs};
+use super::sidecars::other_owner;
 use crate::files::sidecar_name;
 use crate::whole::{self, Changed, Known};
 
@@ -85,6 +86,17 @@ impl Folder {
         let names = list["files"].as_array().into_iter().flatten();
         let names = names.filter_map(|n| n.as_str().map(str::to_owned)).collect();
         Ok((Some(bytes), names))
+    }
+
+    /// Refuses to write the sidecar of a file over that of another one that is there, as after a change of the format.
+    pub(super) fn spare_sidecar(&self, file: &str) -> Result<(), Stop> {
+        match other_owner(&self.path, file).filter(|_| !self.overwrite) {
+            None => Ok(()),
+            Some(other) => Err(Stop::usage(format!(
+                "{} is the sidecar of {other}, and {file} needs one of that name; name another folder or say --overwrite",
+                self.path.join(sidecar_name(file)).display()
+            ))),
+        }
     }
 
     /// Claims the names of all files that a build will write, before it writes any.

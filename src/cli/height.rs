@@ -5,19 +5,20 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use super::args::parse_bytes;
+use clap::ValueEnum;
+
+use super::args::{parse_bytes, parse_finite};
 use super::exit::{Exit, Stop};
 use crate::engine::default_budget;
 use crate::files::{
-    Claim, Companion, Encoding, Fault, HeightFile, Input, Limits, Reading, Watch, companions,
+    ByteOrder, Claim, Companion, Encoding, Fault, HeightFile, Input, LONGEST_SIDECAR, Limits, RawSample,
+    Reading, Watch, companions,
 };
 use crate::node::Cancel;
 use crate::source::ReadAt;
 
 /// Bytes that the program takes beside what it reads.
 const PROGRAM: u64 = 48 << 20;
-/// Longest file beside a height file that is read, in bytes.
-const LONGEST_COMPANION: u64 = 1 << 20;
 
 /// How a height file is read.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -31,6 +32,31 @@ pub(super) struct ReadArgs {
     /// The channel of an OpenEXR file by its name, or the band of a TIFF by its number
     #[arg(long, value_name = "NAME")]
     channel: Option<String>,
+    /// A number of the file that marks voids, beside the one that the file names
+    #[arg(long, value_name = "NUMBER", value_parser = parse_finite, allow_hyphen_values = true)]
+    nodata: Option<f64>,
+    /// Which byte of a sample of a raw file comes first
+    #[arg(long, value_enum)]
+    byte_order: Option<Order>,
+    /// The type of the samples of a raw file: u8, u16, i16, u32, i32 or f32 [default: u16, of .r32 f32]
+    #[arg(long, value_name = "TYPE", value_parser = sample)]
+    sample: Option<RawSample>,
+    /// Samples in a row of a raw file [default: those of its sidecar, or of a square]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    cols: Option<u64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Order {
+    /// The lowest byte first, as on a PC
+    Little,
+    /// The highest byte first, as on an old Mac
+    Big,
+}
+
+fn sample(text: &str) -> Result<RawSample, String> {
+    let found = RawSample::ALL.into_iter().find(|s| s.name() == text);
+    found.ok_or_else(|| format!("must be one of {}", RawSample::ALL.map(RawSample::name).join(", ")))
 }
 
 impl ReadArgs {
@@ -40,17 +66,27 @@ impl ReadArgs {
             ("--terrarium", self.terrarium),
             ("--terrain-rgb", self.terrain_rgb),
             ("--channel", self.channel.is_some()),
+            ("--nodata", self.nodata.is_some()),
+            ("--byte-order", self.byte_order.is_some()),
+            ("--sample", self.sample.is_some()),
+            ("--cols", self.cols.is_some()),
         ];
         given.into_iter().filter_map(|(name, given)| given.then_some(name))
     }
 
-    fn reading(&self) -> Reading {
+    /// The same for the readers.
+    pub(super) fn reading(&self) -> Reading {
         let encoding = match (self.terrarium, self.terrain_rgb) {
             (true, _) => Encoding::Terrarium,
             (_, true) => Encoding::TerrainRgb,
             _ => Encoding::Auto,
         };
-        Reading { channel: self.channel.clone(), ..encoding.into() }
+        let byte_order = self.byte_order.map(|o| match o {
+            Order::Little => ByteOrder::Little,
+            Order::Big => ByteOrder::Big,
+        });
+        let Self { nodata, sample, cols, .. } = *self;
+        Reading { encoding, channel: self.channel.clone(), nodata, sample, byte_order, cols }
     }
 }
 
@@ -77,7 +113,7 @@ impl MemoryArgs {
 /// beside the heights.
 pub(super) fn read(
     path: &Path,
-    args: &ReadArgs,
+    reading: &Reading,
     budget: u64,
     bytes_a_sample: u64,
     cancel: &Cancel,
@@ -88,16 +124,9 @@ pub(super) fn read(
     let names = companions(&name);
     let beside: Vec<_> = names.iter().filter_map(|n| Some((n, small(Path::new(n))?))).collect();
     let companions: Vec<_> = beside.iter().map(|(name, bytes)| Companion { name, bytes }).collect();
-    let (reading, limits) = (args.reading(), Limits::default());
+    let limits = Limits::default();
     let watch = Watch { cancel: Some(cancel), ..Watch::default() };
-    let input = Input {
-        name: &name,
-        bytes: &file,
-        companions: &companions,
-        reading: &reading,
-        limits: &limits,
-        watch,
-    };
+    let input = Input { name: &name, bytes: &file, companions: &companions, reading, limits: &limits, watch };
     let claim = input.claim().map_err(|e| Stop::new(exit(&e.fault), e))?;
     admit(&name, &claim, bytes_a_sample, budget)?;
     input.read().map_err(|e| Stop::new(exit(&e.fault), e))
@@ -134,7 +163,7 @@ fn exit(fault: &Fault) -> Exit {
 /// The content of a small regular file, where there is one.
 fn small(path: &Path) -> Option<Vec<u8>> {
     let length = path.metadata().ok().filter(Metadata::is_file)?.len();
-    if length > LONGEST_COMPANION { None } else { std::fs::read(path).ok() }
+    if length > LONGEST_SIDECAR { None } else { std::fs::read(path).ok() }
 }
 
 /// A regular file that is read at any place.

@@ -161,11 +161,17 @@ impl Job {
         sidecar.into_iter().chain([file]).collect()
     }
 
+    /// The file that it will write for a tile, where a sidecar goes with it.
+    pub(super) fn with_sidecar(&self, tile: &Tile, cut: bool) -> Option<String> {
+        self.format().has_sidecar(self.channels).then(|| self.file(tile, cut))
+    }
+
     /// Writes the value of a tile, whole or not at all.
     pub(super) fn write(&self, value: &Value, tile: &Tile, to: &Common<'_>) -> Result<Entry, Stop> {
         let Common { cut, terrain, whole, graph_key, folder } = *to;
         let file = self.file(tile, cut);
         let writing = Writing {
+            file: &file,
             range: self.range,
             clip: self.output.clip,
             flip: self.output.flip || self.target.is_some_and(Target::flip),

@@ -5,6 +5,7 @@ mod build;
 mod check;
 mod convert;
 mod exit;
+mod fit;
 mod folder;
 mod height;
 mod info;
@@ -17,6 +18,7 @@ mod render;
 mod report;
 mod reserve;
 mod shared;
+mod sidecars;
 mod tiles;
 
 use std::ffi::OsString;
@@ -57,6 +59,8 @@ enum Command {
     Fmt(check::FmtArgs),
     /// Converts a height file to another format
     Convert(convert::Args),
+    /// Sets width, depth and base of a graph's terrain so that a height file fits it
+    Fit(Box<fit::Args>),
     /// Draws a shaded picture of a graph's output or of a height file
     Render(Box<render::Args>),
     /// Opens the editor
@@ -179,6 +183,7 @@ fn run(cli: Cli, cancel: &Cancel) -> Result<Exit, exit::Stop> {
         }
         Command::Fmt(args) => check::fmt(&args, &registry),
         Command::Convert(args) => convert::run(&args, cancel),
+        Command::Fit(args) => fit::run(&args, &registry, cancel),
         Command::Render(args) => render::run(&args, &registry, cancel),
         #[cfg(feature = "editor")]
         Command::Edit { graph } => {

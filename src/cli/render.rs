@@ -1,6 +1,6 @@
 //! `orograph render`: a shaded picture of a graph's output or of a height file.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::ValueEnum;
 
@@ -12,8 +12,9 @@ use super::open::{self, Opened};
 use super::plan::{chosen, want};
 use super::progress::{Mode, Progress};
 use super::reserve::reserve;
+use super::sidecars::spare_heights;
 use crate::engine::{Engine, Options, Want};
-use crate::files::fill_voids;
+use crate::files::{Limits, Squared, fill_voids};
 use crate::graph::{Graph, Source};
 use crate::node::{Cancel, Cost};
 use crate::nodes::Registry;
@@ -91,6 +92,9 @@ pub(super) struct Args {
     cell: Option<f64>,
     #[command(flatten)]
     read: height::ReadArgs,
+    /// Draws over a file that holds heights
+    #[arg(long)]
+    overwrite: bool,
     #[command(flatten)]
     engine: EngineArgs,
     /// How progress is shown on standard error [default: a bar on a terminal]
@@ -131,6 +135,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
         )));
     }
     args.refuse()?;
+    spare_heights(&args.out, args.overwrite)?;
     let cannot = |e| Stop::new(Exit::Failed, format!("cannot write {}: {e}", args.out.display()));
     crate::whole::probe(&args.out).map_err(cannot)?;
     let progress = Progress::new(args.progress);
@@ -305,25 +310,28 @@ fn greys(values: &Field) -> Colors {
 fn from_file(args: &Args, cancel: &Cancel) -> Result<Subject, Stop> {
     let path: &Path = &args.graph.graph;
     let budget = args.engine.options().memory;
-    let mut file = height::read(path, &args.read, budget, DRAWING, cancel)?;
+    let mut file = height::read(path, &args.read.reading(), budget, DRAWING, cancel)?;
     file.origin.notes.iter().for_each(|n| tell(&format!("note: {n}")));
     fill_voids(file.cols, file.rows, &mut file.data);
     if let Some(scale) = args.height_scale {
         file.data.iter_mut().for_each(|z| *z *= scale as f32);
     }
-    // Cells that are not square, as those of degrees, are drawn by their mean.
-    let own = file.placement.cell.map(|[x, y]| (x * y).sqrt());
-    let cell = args.cell.or(own).unwrap_or_else(|| {
-        tell("note: the file does not say how far apart its samples are; drawn 1 m apart, --cell says otherwise");
-        1.0
-    });
+    if let Some(cell) = args.cell {
+        file.placement.cell = Some([cell; 2]);
+    }
     if !file.metres && args.height_scale.is_none() {
         tell("note: the file holds plain numbers; drawn as metres, --height-scale says otherwise");
     }
-    let intervals = (file.cols.max(file.rows) - 1).max(1) as u32;
+    let width = args.width.filter(|_| args.view == View::Map);
+    let squared = Squared::of(file, width, &Limits::default()).map_err(Stop::usage)?;
+    let cell = squared.cell.unwrap_or_else(|| {
+        tell("note: the file does not say how far apart its samples are; drawn 1 m apart, --cell says otherwise");
+        1.0
+    });
+    let intervals = (squared.cols.max(squared.rows) - 1).max(1) as u32;
     let lattice = Lattice { origin: [0.0, 0.0], span: cell * f64::from(intervals), intervals };
-    let grid = Grid { lattice, col: 0, row: 0, cols: file.cols, rows: file.rows };
-    let height = Field::new(grid, Quantity::Elevation, file.data);
+    let grid = Grid { lattice, col: 0, row: 0, cols: squared.cols, rows: squared.rows };
+    let height = Field::new(grid, Quantity::Elevation, squared.data);
     Ok(Subject { height, color: None, sea_level: None, flat: false })
 }
 

@@ -160,6 +160,7 @@ pub fn kept_folders() -> Vec<PathBuf> {
         .or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".config")));
     let Some(file) = home.map(|h| h.join("orograph").join("allowed_folders")) else { return Vec::new() };
     let text = std::fs::read_to_string(file).unwrap_or_default();
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
     // A folder that is gone, or a drive that is not mounted, must not stop every build.
     lines.map(PathBuf::from).filter(|p| p.is_dir()).collect()

@@ -11,6 +11,7 @@ use super::height::{HeightFile, Origin, room};
 use super::input::{Claim, Input};
 use super::place::{Affine, Anchor, Placement, Units};
 use super::sheet::{Sheet, Sink, unfit};
+use super::voids::strike;
 use super::wkt::{self, System};
 use super::world;
 use super::write::Written;
@@ -81,7 +82,8 @@ fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let mut data = room(cols * rows)?;
     numbers(input, at, header.nodata, &mut data, cols * rows)?;
     let mut origin = Origin::new(&CODEC, "text");
-    origin.nodata = header.nodata;
+    origin.nodata = header.nodata.or(input.reading.nodata);
+    strike(&mut data, input.reading.nodata);
     let system = world::system(input, &mut origin.notes);
     let placement = header.placement([cols, rows], system);
     let unit = wkt::metres_of_heights(system.as_ref());

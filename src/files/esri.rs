@@ -6,6 +6,7 @@ use super::flat::{Flat, Number, height};
 use super::height::{HeightFile, Origin};
 use super::input::{Claim, Input};
 use super::place::{Affine, Anchor, Placement};
+use super::voids::strike;
 use super::{wkt, world};
 
 pub(super) static FLT: Codec = Codec {
@@ -179,10 +180,11 @@ fn read(input: &Input<'_>, codec: &'static Codec) -> Result<HeightFile, Fault> {
     let (band, bands) = band(input, &header)?;
     let flat = header.flat(codec, band, bands)?;
     let nodata = header.number(&["nodata_value", "nodata"]);
-    let data = flat.read(input, height(nodata))?;
+    let mut data = flat.read(input, height(nodata))?;
+    strike(&mut data, input.reading.nodata);
     let (cols, rows) = (flat.cols as usize, flat.rows as usize);
     let mut origin = Origin::new(codec, flat.number.name());
-    origin.nodata = nodata;
+    origin.nodata = nodata.or(input.reading.nodata);
     origin.bands = bands as usize;
     if bands > 1 {
         origin.notes.push(format!("{bands} bands, of which number {} is read", band + 1));

@@ -158,7 +158,7 @@ pub fn read_height(
     read_height_as(name, bytes, sidecar, limits, Encoding::Auto)
 }
 
-/// Reads a height file whose pixels, if it is a PNG, hold heights in a known way; else as [`read_height`].
+/// Reads a height file as a person says; else as [`read_height`].
 ///
 /// # Errors
 /// Those of [`read_height`].
@@ -167,10 +167,10 @@ pub fn read_height_as(
     bytes: &[u8],
     sidecar: Option<&[u8]>,
     limits: &Limits,
-    encoding: Encoding,
+    reading: impl Into<Reading>,
 ) -> Result<HeightFile, ReadError> {
     let companions: Vec<_> = sidecar.map(|bytes| Companion { name: ".json", bytes }).into_iter().collect();
-    let reading = encoding.into();
+    let reading = reading.into();
     let watch = Watch::default();
     Input { name, bytes: &bytes, companions: &companions, reading: &reading, limits, watch }.read()
 }

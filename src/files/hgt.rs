@@ -6,6 +6,7 @@ use super::flat::{Flat, Number, height};
 use super::height::{HeightFile, Origin};
 use super::input::{Claim, Input};
 use super::place::{Affine, Anchor, Placement, Units};
+use super::voids::strike;
 
 pub(super) static CODEC: Codec = Codec {
     name: "SRTM .hgt",
@@ -71,7 +72,8 @@ fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
             Placement::default()
         }
     };
-    let data = Flat::packed(size, Number::I16, true, 0).read(input, height(Some(VOID)))?;
+    let mut data = Flat::packed(size, Number::I16, true, 0).read(input, height(Some(VOID)))?;
+    strike(&mut data, input.reading.nodata);
     Ok(HeightFile { cols, rows, data, metres: true, placement, origin })
 }
 

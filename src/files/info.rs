@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::error::ReadError;
+use super::fit::Fit;
 use super::height::{HeightFile, Limits, read_height};
 use super::place::{Anchor, Units};
 use crate::text::printable;
@@ -36,6 +37,8 @@ pub struct Info {
     pub cell: Option<[f64; 2]>,
     /// Extent from the first to the last sample on the ground, in metres.
     pub extent: Option<[f64; 2]>,
+    /// The terrain that the file fits, with a base grid near that of a new terrain.
+    pub fit: Option<Fit>,
     /// EPSG code of the coordinates.
     pub epsg: Option<u32>,
     /// `metres`, `degrees`, `web mercator`, or another unit of length.
@@ -82,6 +85,7 @@ impl Info {
             nodata: origin.nodata,
             cell: placement.cell,
             extent: placement.extent(*cols, *rows),
+            fit: placement.extent(*cols, *rows).and_then(|extent| Fit::of(extent, BASE).ok()),
             epsg: placement.epsg,
             units,
             north_west: corner(0, 0),
@@ -98,21 +102,8 @@ impl Info {
     }
 }
 
-/// Intervals along the longer side that a suggested extent divides: those of a base grid of 1025.
-const INTERVALS: f64 = 1024.0;
-/// The shorter side has a multiple of so many of them, so that 257, 513, 1025, 2049 … all fit.
-const STEP: f64 = 4.0;
-
-impl Info {
-    /// Width and depth of a terrain that the file fits, in metres: its extent, the shorter side rounded to what sizes
-    /// of 257, 513, 1025 … divide, which stretches the file by 0.2 % of its longer side at most.
-    pub fn terrain(&self) -> Option<[f64; 2]> {
-        let [width, depth] = self.extent.filter(|e| e.iter().all(|v| v.is_finite() && *v > 0.0))?;
-        let unit = width.max(depth) * STEP / INTERVALS;
-        let fit = |side: f64| (side / unit).round().max(1.0) * unit;
-        Some(if width >= depth { [width, fit(depth)] } else { [fit(width), depth] })
-    }
-}
+/// Samples along the longer side of the base grid that a terrain has where nobody says.
+const BASE: u32 = 1025;
 
 impl fmt::Display for Info {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -131,8 +122,13 @@ impl fmt::Display for Info {
             (Some([dx, dy]), Some([x, y])) => {
                 writeln!(f, "  cell      {dx:.4} x {dy:.4} m on the ground")?;
                 writeln!(f, "  extent    {x:.1} x {y:.1} m")?;
-                if let Some([width, depth]) = self.terrain() {
-                    writeln!(f, "  terrain   --set width={width} --set depth={depth} (base 1025)")?;
+                if let Some(Fit { width, depth, base, .. }) = self.fit {
+                    let set =
+                        format!("--set terrain.width={width} --set terrain.depth={depth} --base {base}");
+                    writeln!(f, "  terrain   {set}")?;
+                }
+                if let Some(loss) = self.fit.and_then(|fit| fit.loss()) {
+                    writeln!(f, "            {loss}; place it at true size, or let `orograph fit` do it")?;
                 }
             }
             _ => writeln!(f, "  cell      not known")?,

@@ -2,11 +2,13 @@
 
 use rayon::prelude::*;
 
+use super::beside;
 use super::codec::{Codec, LONGEST_MAGIC};
 use super::error::{Fault, ReadError};
 use super::height::{HeightFile, Limits};
 use super::reading::Reading;
 use super::sidecar::Sidecar;
+use super::voids::strike;
 use super::watch::Watch;
 use crate::source::{HEAD_BYTES, ReadAt};
 
@@ -75,9 +77,9 @@ impl<'a> Input<'a> {
         self.companions.iter().find(fits).map(|c| c.bytes)
     }
 
-    /// What the sidecar says; nothing where there is none.
+    /// What the sidecar says; nothing where there is none, or another file's.
     pub(super) fn sidecar(&self) -> Result<Sidecar, Fault> {
-        Ok(self.companion("json").map(Sidecar::parse).transpose()?.unwrap_or_default())
+        beside::read(self.name, self.companion("json"))
     }
 
     /// The first bytes of the content.
@@ -117,13 +119,39 @@ impl<'a> Input<'a> {
         self.watch.go_on()?;
         (codec.claim)(self)?;
         let mut file = (codec.read)(self)?;
+        // Those readers that scale have done so before; for others it changes nothing.
+        if file.origin.nodata.is_none() {
+            strike(&mut file.data, self.reading.nodata);
+            file.origin.nodata = self.reading.nodata;
+        }
         // One rule for all formats, on the numbers as they are kept: what is read once reads the same again.
         let is_height = |v: &f32| v.abs() <= FARTHEST;
         file.data.par_chunks_mut(1 << 16).for_each(|chunk| {
             chunk.iter_mut().filter(|v| !is_height(v)).for_each(|v| *v = f32::NAN);
         });
+        if file.origin.nodata.is_none()
+            && let Some(code) = suspect(&file.data)
+        {
+            let note = format!(
+                "the lowest height is {code}, far below all others: `nodata` {code} would make voids of it"
+            );
+            file.origin.notes.push(note);
+        }
         Ok(file)
     }
+}
+
+/// Numbers that mark voids in many files.
+const SUSPECTS: [f32; 5] = [-9999.0, -32768.0, -32767.0, -99999.0, -10000.0];
+/// How far below all other heights such a number must be, in metres.
+const FAR_BELOW: f32 = 500.0;
+
+/// The lowest number, where it is one that marks voids in many files and no height is near it.
+fn suspect(data: &[f32]) -> Option<f32> {
+    let lowest = data.par_iter().copied().reduce(|| f32::INFINITY, f32::min);
+    let code = SUSPECTS.into_iter().find(|code| *code == lowest)?;
+    let near = |v: &f32| *v > code && *v < code + FAR_BELOW;
+    (!data.par_iter().any(near) && data.par_iter().any(|v| *v > code)).then_some(code)
 }
 
 /// Numbers beyond it mark voids in many files; no height is near it.

@@ -78,6 +78,6 @@ fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let (cols, rows) = (flat.cols as usize, flat.rows as usize);
     let mut file = HeightFile { cols, rows, data, metres: true, placement: Placement::default(), origin };
     file.flip();
-    input.sidecar()?.apply(&mut file, None);
+    input.sidecar()?.apply(&mut file, None, input.reading);
     Ok(file)
 }

@@ -1,4 +1,4 @@
-//! r16 and r32: samples and nothing else, little-endian.
+//! r16, r32 and raw: samples and nothing else. What they are, a person says, or a sidecar, or the extension.
 
 use super::codec::{Codec, Form};
 use super::error::{Fault, WriteError};
@@ -6,6 +6,7 @@ use super::flat::{Flat, Number, height};
 use super::height::{HeightFile, Origin};
 use super::input::{Claim, Input};
 use super::place::Placement;
+use super::reading::{ByteOrder, RawSample};
 use super::sheet::{Sheet, Sink, little_floats, little_words};
 use super::sidecar::Sidecar;
 use super::write::Written;
@@ -15,9 +16,10 @@ pub(super) static CODEC16: Codec = Codec {
     extensions: &["r16", "raw"],
     magic: &[],
     companions: &["json"],
-    claim: |input| claim(input, 2),
-    read: read_integers,
-    reads: "16-bit integers without a header, little-endian",
+    claim: |input| claim(input, RawSample::U16),
+    read: |input| read(input, &CODEC16, RawSample::U16),
+    reads: "samples without a header: 16-bit integers, little-endian, unless `sample`, `byte_order` and `cols` of a sidecar \
+            or of the import say otherwise",
     metres: "with a sidecar that gives the range",
     place: "from the sidecar",
 };
@@ -27,9 +29,9 @@ pub(super) static CODEC32: Codec = Codec {
     extensions: &["r32"],
     magic: &[],
     companions: &["json"],
-    claim: |input| claim(input, 4),
-    read: read_floats,
-    reads: "32-bit floats without a header, little-endian",
+    claim: |input| claim(input, RawSample::F32),
+    read: |input| read(input, &CODEC32, RawSample::F32),
+    reads: "the same, of 32-bit floats",
     metres: "with a sidecar",
     place: "from the sidecar",
 };
@@ -62,32 +64,38 @@ pub(super) static FLOATS: Form = Form {
     purpose: "Houdini, World Machine …",
 };
 
-/// What the sidecar claims; without it the file must be square.
-fn claim(input: &Input<'_>, width: u64) -> Result<Claim, Fault> {
-    let [cols, rows] = size(input, &input.sidecar()?, width)?;
+/// What is claimed: by a person, by the sidecar, or by the length of a square.
+fn claim(input: &Input<'_>, own: RawSample) -> Result<Claim, Fault> {
+    let sidecar = input.sidecar()?;
+    let sample = input.reading.sample.or(sidecar.sample).unwrap_or(own);
+    let [cols, rows] = size(input, &sidecar, sample)?;
     Claim::new(input, [cols as u64, rows as u64], 0)
 }
 
-/// Reads 16-bit integers; the sidecar gives size and range, without it the file must be square.
-fn read_integers(input: &Input<'_>) -> Result<HeightFile, Fault> {
-    let sidecar = input.sidecar()?;
-    let size = size(input, &sidecar, 2)?;
-    let data = Flat::packed(size.map(|n| n as u64), Number::U16, false, 0).read(input, |v| v as f32)?;
-    let mut file = height_file(size, data, Origin::new(&CODEC16, "u16"), false);
-    sidecar.apply(&mut file, Some(65535.0));
-    Ok(file)
-}
-
-/// Reads 32-bit floats; the sidecar gives the size, without it the file must be square.
-fn read_floats(input: &Input<'_>) -> Result<HeightFile, Fault> {
-    let sidecar = input.sidecar()?;
-    let size = size(input, &sidecar, 4)?;
-    let data = Flat::packed(size.map(|n| n as u64), Number::F32, false, 0).read(input, height(None))?;
-    // A sidecar vouches for the unit of floats even where it gives no range.
-    let metres = sidecar.orograph.is_some();
-    let mut file = height_file(size, data, Origin::new(&CODEC32, "f32"), metres);
+/// Reads the samples; `own` is the type that the extension stands for.
+fn read(input: &Input<'_>, codec: &'static Codec, own: RawSample) -> Result<HeightFile, Fault> {
+    let (sidecar, reading) = (input.sidecar()?, input.reading);
+    let sample = reading.sample.or(sidecar.sample).unwrap_or(own);
+    let said = reading.byte_order.or(sidecar.byte_order);
+    let order = said.unwrap_or_default();
+    let [cols, rows] = size(input, &sidecar, sample)?;
+    let flat = |order: ByteOrder| {
+        Flat::packed([cols as u64, rows as u64], sample.number(), order == ByteOrder::Big, 0)
+    };
+    let data = flat(order).read(input, height(None))?;
+    let mut origin = Origin::new(codec, sample.name());
+    if said.is_none() && is_smoother(input, flat(order.other()), flat(order))? {
+        let other = order.other().name();
+        origin.notes.push(format!(
+            "neighbours differ far less when its bytes are read in the other order; `byte_order` {other} would say so"
+        ));
+    }
     let scaled = sidecar.scale.is_some() || sidecar.offset.is_some();
-    sidecar.apply(&mut file, (scaled && !metres).then_some(1.0));
+    // A sidecar of our own vouches for the unit of floats even where it gives no range.
+    let metres = sample == RawSample::F32 && sidecar.orograph.is_some();
+    let ends = sample.ends().or((scaled && !metres).then_some([0.0, 1.0]));
+    let mut file = HeightFile { cols, rows, data, metres, placement: Placement::default(), origin };
+    sidecar.apply(&mut file, ends, reading);
     Ok(file)
 }
 
@@ -108,21 +116,50 @@ pub(super) fn finite_or_void(v: f32) -> f32 {
     if v.is_finite() { v } else { f32::NAN }
 }
 
-fn height_file([cols, rows]: [usize; 2], data: Vec<f32>, origin: Origin, metres: bool) -> HeightFile {
-    HeightFile { cols, rows, data, metres, placement: Placement::default(), origin }
+/// Samples that are looked at to find the byte order.
+const LOOKED_AT: u64 = 1 << 16;
+/// How many times smaller differences must be in the other byte order to be worth a note.
+const FAR_LESS: f64 = 8.0;
+
+/// Whether neighbours in a row differ far less when the numbers are read in one way than in another.
+fn is_smoother(input: &Input<'_>, one: Flat, other: Flat) -> Result<bool, Fault> {
+    if one.cols < 3 || one.number.bytes() == 1 {
+        return Ok(false);
+    }
+    let steps = |flat: Flat| -> Result<f64, Fault> {
+        let rows = flat.rows.min(LOOKED_AT.div_ceil(flat.cols));
+        let data = Flat { rows, ..flat }.read(input, height(None))?;
+        // A void in one order is a step as large as any.
+        let step = |w: &[f32]| match f64::from(w[1]) - f64::from(w[0]) {
+            d if d.is_finite() => d.abs().min(1e12),
+            _ => 1e12,
+        };
+        Ok(data.chunks_exact(flat.cols as usize).flat_map(|row| row.windows(2)).map(step).sum())
+    };
+    let (here, there) = (steps(other)?, steps(one)?);
+    // Whole rows of one number tell nothing.
+    Ok(here > FAR_LESS * there && there > 0.0)
 }
 
-fn size(input: &Input<'_>, sidecar: &Sidecar, width: u64) -> Result<[usize; 2], Fault> {
-    let found = input.bytes.len();
-    let (cols, rows) = match (sidecar.cols, sidecar.rows) {
-        (Some(cols), Some(rows)) => (cols, rows),
-        _ => {
+/// Columns and rows: by a person's word, by the sidecar, or those of a square.
+fn size(input: &Input<'_>, sidecar: &Sidecar, sample: RawSample) -> Result<[usize; 2], Fault> {
+    let (found, width) = (input.bytes.len(), sample.bytes());
+    let by_cols = |cols: u64| {
+        let line = cols.saturating_mul(width).max(1);
+        let whole = cols > 0 && found > 0 && found.is_multiple_of(line);
+        whole.then_some((cols, found / line)).ok_or_else(|| {
+            Fault::Unsupported(format!(
+                "{found} bytes are no whole number of rows of {cols} samples of {width} bytes"
+            ))
+        })
+    };
+    let (cols, rows) = match (input.reading.cols, sidecar.cols, sidecar.rows) {
+        (Some(cols), ..) | (None, Some(cols), None) => by_cols(cols)?,
+        (None, Some(cols), Some(rows)) => (cols, rows),
+        (None, None, _) => {
             let side = (found / width).isqrt();
             if side * side * width != found || found == 0 {
-                return Err(Fault::Unsupported(format!(
-                    "{found} bytes are no square of {width}-byte samples; a sidecar of the same name with `cols` and `rows` \
-                     would tell the size"
-                )));
+                return Err(Fault::Unsupported(no_square(found, width, sidecar)));
             }
             (side, side)
         }
@@ -137,4 +174,20 @@ fn size(input: &Input<'_>, sidecar: &Sidecar, width: u64) -> Result<[usize; 2], 
     }
     // Both fit, since their product does.
     Ok([cols as usize, rows as usize])
+}
+
+/// What to say of a length that is no square, and which samples would make it one.
+fn no_square(found: u64, width: u64, sidecar: &Sidecar) -> String {
+    let square = |w: &&RawSample| {
+        let w = w.bytes();
+        w != width && found > 0 && (found / w).isqrt().pow(2) * w == found
+    };
+    let other = RawSample::ALL.iter().find(square);
+    let hint = other.map(|s| format!("; as `sample` {} they would be a square", s.name()));
+    let note = sidecar.note.as_ref().map(|note| format!("; {note}"));
+    let more = [hint, note].map(Option::unwrap_or_default).concat();
+    format!(
+        "{found} bytes are no square of {width}-byte samples; `cols`, or a sidecar of the same name with `cols` and \
+         `rows`, would tell the size{more}"
+    )
 }

@@ -4,13 +4,12 @@ use super::error::ReadError;
 use super::height::Limits;
 use super::input::{Companion, Input};
 use super::place::Placement;
+use super::placing::{Placed, SNAP};
 use super::reading::Reading;
 use super::voids::fill_voids;
 use super::watch::Watch;
 use crate::kit::spline::{Spline, Tap};
-
-/// How near a position must come to a sample to be that sample, in steps.
-const SNAP: f64 = 1e-6;
+use crate::units::Metres;
 
 /// How voids are closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,14 +124,13 @@ impl Relief {
     pub fn is_void(&self, u: f64, v: f64) -> bool {
         let near = |p: f64, n: usize| p.round().clamp(0.0, (n - 1) as f64) as usize;
         self.has_voids()
-            && self.contains(u, v)
+            && self.placed(None).contains(u, v)
             && self.voids[near(v, self.rows) * self.cols + near(u, self.cols)]
     }
 
-    /// Whether a position lies between the samples at the border, or on them.
-    pub fn contains(&self, u: f64, v: f64) -> bool {
-        let within = |p: f64, n: usize| (-SNAP..=(n - 1) as f64 + SNAP).contains(&p);
-        within(u, self.cols) && within(v, self.rows)
+    /// What is to be placed on a terrain, with a distance between its samples by a person's word.
+    pub fn placed(&self, cell: Option<Metres>) -> Placed {
+        Placed { cols: self.cols, rows: self.rows, placement: self.placement, cell }
     }
 
     /// The height at a position in steps from the north-west sample; beyond the border its value continues.

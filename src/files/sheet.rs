@@ -54,7 +54,7 @@ impl Sheet<'_> {
             written.sidecar = Some(serde_json::to_value(sidecar).unwrap_or_default());
         }
         if let Some(target) = self.writing.target {
-            let cell = self.placement.cell.map_or(1.0, |[x, _]| x);
+            let cell = self.placement.cell.unwrap_or([1.0; 2]);
             written.notes.extend(target_warnings(target, format, self.cols, self.rows));
             written.notes.extend(target.notes(written.range, cell, [self.cols, self.rows]));
         }
@@ -71,9 +71,10 @@ impl Sheet<'_> {
             unit: self.quantity.unit().into(),
             range,
             rows_from: if self.writing.flip { Side::South } else { Side::North },
-            cell: self.placement.cell.map(|[x, _]| x),
+            file: self.writing.file.into(),
             ..self.sidecar.clone()
         }
+        .with_steps(self.placement.cell)
     }
 
     /// The samples of a row of the file.

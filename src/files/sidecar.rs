@@ -2,13 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::error::Fault;
 use super::height::HeightFile;
 use super::place::{Affine, Anchor, Placement, Units};
+use super::reading::{ByteOrder, RawSample, Reading};
+use super::voids::strike;
 use crate::value::Geo;
-
-/// Longest sidecar that is read, in bytes.
-const LONGEST: usize = 1 << 20;
 
 /// What a sidecar says. Readers need `cols`, `rows` and `range` at most, and take each where it is there.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -17,6 +15,9 @@ pub struct Sidecar {
     /// Version of this description.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orograph: Option<u32>,
+    /// The name of the file it describes, without folders.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub file: String,
     /// The format of the file it describes.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub format: String,
@@ -41,11 +42,23 @@ pub struct Sidecar {
     /// Value of the number 0, in files by other hands.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub offset: Option<f64>,
+    /// The type of the samples of a raw file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample: Option<RawSample>,
+    /// Which byte of a sample of a raw file is the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub byte_order: Option<ByteOrder>,
+    /// The number in the file that marks a void.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodata: Option<f64>,
     /// Which row is the first.
     pub rows_from: Side,
-    /// Distance between samples, in metres.
+    /// Distance between samples, in metres, where it is the same both ways.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<f64>,
+    /// Distance from column to column and from row to row, in metres, where they differ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cells: Option<[f64; 2]>,
     /// Where the north-west sample stands in the terrain, in metres, x to the east and y to the south.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 2]>,
@@ -64,6 +77,9 @@ pub struct Sidecar {
     /// The hash of the graph that the file was built of.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub graph_key: Option<String>,
+    /// What a person should know of what was found beside the file.
+    #[serde(skip)]
+    pub(super) note: Option<String>,
 }
 
 /// A side of a terrain.
@@ -101,38 +117,40 @@ pub fn sidecar_name(file: &str) -> String {
 }
 
 impl Sidecar {
-    /// Reads a sidecar.
-    ///
-    /// # Errors
-    /// When it is not JSON of the right shape, or its numbers make no sense.
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
-        if bytes.len() > LONGEST {
-            let found = bytes.len();
-            return Err(Fault::Sidecar(format!("is {found} bytes long; the limit is {LONGEST}")));
-        }
-        let parsed: Self =
-            serde_json::from_slice(bytes).map_err(|e| Fault::Sidecar(format!("cannot be read: {e}")))?;
-        if let Some([lo, hi]) = parsed.range
+    /// What is wrong with its numbers.
+    pub(super) fn fault(&self) -> Option<String> {
+        if let Some([lo, hi]) = self.range
             && !(lo.is_finite() && hi.is_finite() && lo < hi)
         {
-            return Err(Fault::Sidecar(format!("gives the range [{lo}, {hi}]; it must go upwards")));
+            return Some(format!("gives the range [{lo}, {hi}]; it must go upwards"));
         }
-        let numbers = [parsed.scale, parsed.offset, parsed.geo.map(|g| g.east), parsed.geo.map(|g| g.north)];
+        let numbers = [self.scale, self.offset, self.geo.map(|g| g.east), self.geo.map(|g| g.north)];
         if numbers.into_iter().flatten().any(|v| !v.is_finite()) {
-            return Err(Fault::Sidecar("gives numbers that are not finite".into()));
+            return Some("gives numbers that are not finite".into());
         }
-        if let Some(cell) = parsed.cell
-            && !(cell.is_finite() && cell > 0.0)
-        {
-            return Err(Fault::Sidecar(format!("gives a cell of {cell} m; it must be above 0")));
-        }
-        Ok(parsed)
+        let cells = self.cell.into_iter().chain(self.cells.into_iter().flatten());
+        let bad = cells.into_iter().find(|c| !(c.is_finite() && *c > 0.0));
+        bad.map(|cell| format!("gives a cell of {cell} m; it must be above 0"))
     }
 
-    /// Factor and summand that make values of integers up to `levels`, where the sidecar says so.
-    fn scaling(&self, levels: f64) -> Option<(f64, f64)> {
+    /// Steps from column to column and from row to row, in metres.
+    pub(super) fn steps(&self) -> Option<[f64; 2]> {
+        self.cells.or(self.cell.map(|c| [c, c]))
+    }
+
+    /// Takes the steps of a file: one number where they are the same.
+    pub(super) fn with_steps(self, steps: Option<[f64; 2]>) -> Self {
+        let square = steps.filter(|[x, y]| x == y).map(|[x, _]| x);
+        Self { cell: square, cells: steps.filter(|_| square.is_none()), ..self }
+    }
+
+    /// Factor and summand that make values of the integers from one end to the other, where the sidecar says so.
+    fn scaling(&self, [lowest, highest]: [f64; 2]) -> Option<(f64, f64)> {
         match self.range {
-            Some([lo, hi]) => Some(((hi - lo) / levels, lo)),
+            Some([lo, hi]) => {
+                let factor = (hi - lo) / (highest - lowest);
+                Some((factor, lo - lowest * factor))
+            }
             None if self.scale.is_some() || self.offset.is_some() => {
                 Some((self.scale.unwrap_or(1.0), self.offset.unwrap_or(0.0)))
             }
@@ -140,9 +158,29 @@ impl Sidecar {
         }
     }
 
-    /// Gives a file that was read what the sidecar knows: the values of its integers, its place, its row order.
-    pub(super) fn apply(&self, file: &mut HeightFile, levels: Option<f64>) {
-        if let Some((factor, summand)) = levels.and_then(|l| self.scaling(l)) {
+    /// Gives a file that was read what the sidecar and a person know: its voids, the values of its integers, its
+    /// place, its row order. `ends` are the lowest and the highest integer.
+    pub(super) fn apply(&self, file: &mut HeightFile, ends: Option<[f64; 2]>, reading: &Reading) {
+        file.origin.notes.extend(self.note.clone());
+        let size = (Some(file.cols as u64), Some(file.rows as u64));
+        let other_size = self.cols.is_some() && self.rows.is_some() && (self.cols, self.rows) != size;
+        if other_size {
+            let [cols, rows] = [self.cols, self.rows].map(Option::unwrap_or_default);
+            let what = if self.orograph.is_some() { "its cell and place are" } else { "it is" };
+            file.origin.notes.push(format!(
+                "the sidecar speaks of {cols} x {rows} samples, the file has {} x {}: {what} not read",
+                file.cols, file.rows
+            ));
+        }
+        let believed = !other_size || self.orograph.is_some();
+        for code in [self.nodata.filter(|_| believed), reading.nodata] {
+            strike(&mut file.data, code);
+            file.origin.nodata = code.or(file.origin.nodata);
+        }
+        if !believed {
+            return;
+        }
+        if let Some((factor, summand)) = ends.and_then(|e| self.scaling(e)) {
             for v in &mut file.data {
                 *v = (f64::from(*v) * factor + summand) as f32;
             }
@@ -153,8 +191,7 @@ impl Sidecar {
         if self.rows_from == Side::South {
             file.flip();
         }
-        if let Some(cell) = self.cell {
-            let step = [cell, cell];
+        if let Some(step) = self.steps().filter(|_| !other_size) {
             file.placement = match self.geo {
                 Some(Geo { epsg, east, north }) => {
                     let affine = Affine::upright([east, north], step);

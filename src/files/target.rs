@@ -80,14 +80,26 @@ impl Target {
     }
 
     /// What a person must type there for a file of a range and a cell.
-    pub(super) fn notes(self, range: Option<[f64; 2]>, cell: f64, [cols, rows]: [usize; 2]) -> Vec<String> {
-        let (east, south) = (cell * (cols - 1) as f64, cell * (rows - 1) as f64);
+    pub(super) fn notes(
+        self,
+        range: Option<[f64; 2]>,
+        cell: [f64; 2],
+        [cols, rows]: [usize; 2],
+    ) -> Vec<String> {
+        let [dx, dy] = cell;
+        let (east, south) = (dx * (cols - 1) as f64, dy * (rows - 1) as f64);
+        let spacing = if dx == dy {
+            short(dx)
+        } else {
+            format!("{} x {}, and it takes square cells", short(dx), short(dy))
+        };
         match (self, range) {
             (Self::Unreal, Some([lo, hi])) => {
                 let step = (hi - lo) / 65535.0;
+                let [x, y] = [short(dx * 100.0), short(dy * 100.0)];
+                let scale = if x == y { format!("X = Y = {x}") } else { format!("X = {x}, Y = {y}") };
                 vec![format!(
-                    "Unreal: scale X = Y = {}, Z = {}; location Z = {}",
-                    short(cell * 100.0),
+                    "Unreal: scale {scale}, Z = {}; location Z = {}",
                     short(step * 100.0 / UNREAL_STEP),
                     short((lo + step * UNREAL_ZERO) * 100.0)
                 )]
@@ -100,13 +112,12 @@ impl Target {
                 short(lo)
             )],
             (Self::Godot, None) => {
-                vec![format!("Terrain3D: import scale 1, offset 0; vertex spacing {}", short(cell))]
+                vec![format!("Terrain3D: import scale 1, offset 0; vertex spacing {spacing}")]
             }
             (Self::Godot, Some([lo, hi])) => vec![format!(
-                "Terrain3D: height range {} to {}; vertex spacing {}",
+                "Terrain3D: height range {} to {}; vertex spacing {spacing}",
                 short(lo),
-                short(hi),
-                short(cell)
+                short(hi)
             )],
             (Self::Unreal | Self::Unity, None) => Vec::new(),
         }
@@ -173,7 +184,7 @@ mod tests {
     #[test]
     fn unreal_scale_is_that_of_its_guide() {
         let step = 512.0 / 65536.0;
-        let notes = Target::Unreal.notes(Some([-256.0, 256.0 - step]), 1.0, [1009, 1009]);
+        let notes = Target::Unreal.notes(Some([-256.0, 256.0 - step]), [1.0; 2], [1009, 1009]);
         assert_eq!(notes, ["Unreal: scale X = Y = 100, Z = 100; location Z = 0"]);
     }
 

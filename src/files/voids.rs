@@ -1,4 +1,6 @@
-//! Voids closed smoothly from their border inwards.
+//! Voids: named by a number, and closed smoothly from their border inwards.
+
+use rayon::prelude::*;
 
 /// Sweeps over the voids of every level. The start from the coarser level is close: twenty-four sweeps that go a
 /// good deal further than each neighbourhood asks bring it within half a percent of the membrane.
@@ -7,6 +9,12 @@ const SWEEPS: usize = 24;
 const OVERSHOOT: f32 = 1.85;
 /// Plain sweeps after those, which smooth out the chequers that overshooting leaves.
 const PLAIN: usize = 4;
+
+/// Makes voids (NaN) of the samples that are some number, as `f32` holds it.
+pub(super) fn strike(data: &mut [f32], code: Option<f64>) {
+    let Some(code) = code.map(|c| c as f32) else { return };
+    data.par_iter_mut().filter(|v| **v == code).for_each(|v| *v = f32::NAN);
+}
 
 /// Fills voids (NaN) with a membrane: a surface without bumps that hangs from the heights around, `Δh = 0` inside and
 /// level at the border of the file.

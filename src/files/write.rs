@@ -31,6 +31,8 @@ pub struct Tile {
 /// How a file is written.
 #[derive(Clone, Copy)]
 pub struct Writing<'a> {
+    /// The name of the file, which its sidecar says.
+    pub file: &'a str,
     /// The format of the file.
     pub format: Format,
     /// The values that the lowest and highest integer stand for, one range for the whole terrain. Needed where the
@@ -49,7 +51,15 @@ pub struct Writing<'a> {
 
 impl From<Format> for Writing<'_> {
     fn from(format: Format) -> Self {
-        Self { format, range: None, clip: false, flip: false, target: None, watch: Watch::default() }
+        Self {
+            file: "",
+            format,
+            range: None,
+            clip: false,
+            flip: false,
+            target: None,
+            watch: Watch::default(),
+        }
     }
 }
 
@@ -164,12 +174,19 @@ pub fn encode_file(
         channels: 1,
         samples: &file.data,
         quantity: if file.metres { Quantity::Elevation } else { Quantity::Number },
-        placement,
+        // A format of its own coordinates keeps the cell in them.
+        placement: Placement { affine: placement.affine.or(local_affine(file)), ..placement },
         nodata: file.origin.nodata,
         sidecar: Sidecar { geo, ..Sidecar::default() },
         writing: Writing { range: writing.range.or_else(|| range_of_file(file, writing)), ..*writing },
     }
     .write(out)
+}
+
+/// Coordinates from the south-west sample, where nothing but the cell is known.
+fn local_affine(file: &HeightFile) -> Option<Affine> {
+    let step = file.placement.cell?;
+    Some(Affine::upright([0.0, step[1] * (file.rows - 1) as f64], step))
 }
 
 /// The range for a file that is written in integers, where none is asked for.

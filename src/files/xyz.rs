@@ -5,6 +5,7 @@ use super::error::Fault;
 use super::height::{HeightFile, Origin, room};
 use super::input::{Claim, Input};
 use super::place::{Affine, Anchor};
+use super::voids::strike;
 use super::{wkt, world};
 
 pub(super) static CODEC: Codec = Codec {
@@ -212,6 +213,7 @@ fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let placement = world::placed(affine, Anchor::Point, system, [cols, rows]);
     let unit = wkt::metres_of_heights(system.as_ref());
     let mut file = HeightFile { cols, rows, data, metres: true, placement, origin };
+    strike(&mut file.data, input.reading.nodata);
     file.scale(unit, 0.0);
     Ok(file)
 }

@@ -21,6 +21,8 @@ const MAX_VALUES: usize = 1_000_000;
 /// # Errors
 /// What is wrong with the text, and where.
 pub fn read(text: &str) -> Result<Json, LoadError> {
+    // A byte order mark, as some editors on Windows leave it.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim_ascii().is_empty() {
         return Err(LoadError::Empty);
     }

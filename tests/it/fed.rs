@@ -24,6 +24,11 @@ static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     std::fs::write(folder.path().join("small.asc"), text).unwrap();
     let picture = r#"<svg viewBox="0 0 100 50"><path d="M 5 5 C 30 40 60 0 95 45" data-h="80"/></svg>"#;
     std::fs::write(folder.path().join("small.svg"), picture).unwrap();
+    let mut file = std::fs::File::create(folder.path().join("small.png")).unwrap();
+    let mut encoder = png::Encoder::new(&mut file, 20, 13);
+    encoder.set_color(png::ColorType::Rgba);
+    let pixels: Vec<u8> = (0..20 * 13 * 4u32).map(|k| (k * k * 7 % 251) as u8).collect();
+    encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
     folder
 });
 
@@ -48,7 +53,15 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
     let mut set = set.clone();
     for p in kind.params().iter().filter(|p| p.widget.as_deref() == Some("file")) {
         let curves = kind.outputs.iter().any(|o| o.wire == WireType::Curves);
-        set.insert(p.name.clone(), json!(if curves { "small.svg" } else { "small.asc" }));
+        let colors = kind.outputs.iter().any(|o| o.wire == WireType::Colors);
+        let file = if curves {
+            "small.svg"
+        } else if colors {
+            "small.png"
+        } else {
+            "small.asc"
+        };
+        set.insert(p.name.clone(), json!(file));
         if curves && !set.contains_key("mapping") {
             set.insert("mapping".into(), json!({ "height": { "property": { "name": "h" } } }));
         }

@@ -7,6 +7,7 @@ mod dem;
 mod foreign;
 mod hostile;
 mod import;
+mod pictures;
 mod round_trip;
 mod table;
 

@@ -26,6 +26,7 @@ mod plans;
 mod readme;
 mod render;
 mod select;
+mod sidecars;
 mod sources;
 mod strangers;
 mod trials;

@@ -80,7 +80,7 @@ fn read_channel(input: &Input<'_>) -> Result<HeightFile, Fault> {
     origin.notes.extend(frame.notes(&header));
     let (cols, rows) = (frame.cols, frame.rows);
     let mut file = HeightFile { cols, rows, data, metres: true, placement: Placement::default(), origin };
-    input.sidecar()?.apply(&mut file, None);
+    input.sidecar()?.apply(&mut file, None, input.reading);
     Ok(file)
 }
 

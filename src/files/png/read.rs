@@ -77,7 +77,7 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let metres = colors.is_some();
     let placement = world::placement(input, [cols, rows], &mut origin.notes);
     let mut file = HeightFile { cols, rows, data, metres, placement, origin };
-    input.sidecar()?.apply(&mut file, (!metres).then_some(levels));
+    input.sidecar()?.apply(&mut file, (!metres).then_some([0.0, levels]), input.reading);
     Ok(file)
 }
 

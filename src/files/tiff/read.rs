@@ -6,6 +6,7 @@ use super::super::error::Fault;
 use super::super::height::{HeightFile, Limits, Origin, room};
 use super::super::input::{Claim, Input};
 use super::super::place::Placement;
+use super::super::voids::strike;
 use super::super::world;
 use super::ifd::Directory;
 use super::layout::{Chunks, Layout};
@@ -44,6 +45,8 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
         origin.notes.push(format!("{} bands, of which number {} is read", layout.bands, band + 1));
     }
     picture.clear(input, band, &mut data, &mut origin)?;
+    origin.nodata = origin.nodata.or(input.reading.nodata);
+    strike(&mut data, input.reading.nodata);
     let keys = geo::Keys::of(&picture.directory)?;
     let size = [layout.cols, layout.rows];
     let mut placement = geo::placement(&picture.directory, &keys, size)?;
