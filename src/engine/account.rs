@@ -17,7 +17,8 @@ pub(super) struct Peak {
 pub(super) fn cost(step: &Step, stage: Stage, grid: &Grid, base: &Grid, foretold: &Foretold<'_>) -> Cost {
     match stage {
         Stage::Gridless | Stage::Run | Stage::Base => {
-            let own = step.node.cost_with(grid, &|port| foretold.input(step, port)).and(step.reading());
+            let known = |port: &str| foretold.input(step, port);
+            let own = step.node.cost_with_base(grid, base, &known).and(step.reading());
             // Mixing and cropping hold a copy of what they mix.
             let mixed = step.kind.meta.mixes.len() as f64 * 3.0;
             if step.input(crate::ports::MASK.name).is_some() { own.with_fields(grid, mixed) } else { own }

@@ -49,6 +49,8 @@ impl Stage {
 pub(super) enum Role {
     /// An input of the kind.
     Input { port: &'static str, from: &'static str },
+    /// An input of the kind on one of its further windows, in the order of their list.
+    View { port: &'static str, from: &'static str },
     /// The statistic of the whole.
     Summary,
     /// A global node's own result on the base grid.
@@ -405,6 +407,16 @@ impl Planner<'_> {
         let terrain = &self.program.terrain;
         let mut asks =
             Self::input_asks(step, |port| clip(&step.node.footprint(port, grid, terrain), terrain));
+        let views = asks.iter().flat_map(|(role, ask)| match (*role, *ask) {
+            (Role::Input { port, from }, Ask::Result { step: source, .. }) => {
+                let windows = step.node.views(port, grid, terrain).into_iter();
+                let ask = |w: Grid| Ask::Result { step: source, grid: clip(&w, terrain) };
+                windows.map(|w| (Role::View { port, from }, ask(w))).collect()
+            }
+            _ => Vec::new(),
+        });
+        let views: Vec<_> = views.collect();
+        asks.extend(views);
         if step.node.needs_summary() {
             asks.push((Role::Summary, Ask::Own(Stage::Summary)));
         }

@@ -28,3 +28,4 @@ mod select;
 mod sources;
 mod strangers;
 mod vectors;
+mod views;

@@ -105,8 +105,19 @@ fn said_and_taken(kind: &'static Kind, set: &Map<String, Json>, size: u32) -> Op
         node.needs_summary().then(|| node.summarize(&base, inputs(&|_| terrain.base_grid())).unwrap());
     cx.whole = summary.as_ref();
     let wires = inputs(&|port| within_apron(&node.footprint(port, &grid, terrain), terrain));
+    let mut views = Vec::new();
+    for port in kind.inputs() {
+        let windows = node.views(port.name, &grid, terrain).into_iter();
+        for window in windows.map(|w| within_apron(&w, terrain)) {
+            views.extend(inputs(&|_| window).take(port.name).map(|value| (port.name, value)));
+        }
+    }
+    cx.views = &views;
     let (took, outputs) = peak(|| node.run(&cx, wires));
-    Some((node.cost(&grid).bytes, took.saturating_sub(outputs.ok()?.bytes())))
+    Some((
+        node.cost_with_base(&grid, &terrain.base_grid(), &|_| None).bytes,
+        took.saturating_sub(outputs.ok()?.bytes()),
+    ))
 }
 
 /// The part of a window that the engine would hand over.
