@@ -6,9 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use crate::node::{Error, Reads, Result, Summary};
+use crate::ports::Wire;
 pub use crate::source::SourceFile;
 use crate::units::{FilePath, Seed};
-use crate::value::{Grid, Quantity, Raster, Sample, Terrain};
+use crate::value::{Grid, Lattice, Quantity, Raster, Sample, Terrain, Value};
 pub use crate::work::Cancel;
 
 impl Cancel {
@@ -33,6 +34,8 @@ pub struct Context<'a> {
     pub world: &'a Terrain,
     /// The statistic of the whole; nodes ask [`summary`](Self::summary).
     pub whole: Option<&'a Summary>,
+    /// The further windows of inputs, by port in the order of their list; nodes ask [`view`](Self::view).
+    pub views: &'a [(&'static str, Value)],
     /// The files the node named; nodes ask [`file`](Self::file).
     pub files: &'a [Arc<SourceFile>],
     /// Asked inside loops.
@@ -65,6 +68,7 @@ impl<'a> Context<'a> {
             reads,
             world,
             whole: None,
+            views: &[],
             files: &[],
             cancel,
             progress: &|_| (),
@@ -89,6 +93,14 @@ impl<'a> Context<'a> {
         self.declared(Reads::BASE, "BASE").map(|()| self.world.base_cell())
     }
 
+    /// The lattice of the base grid, on which [`view`](Self::view)s stand as a rule.
+    ///
+    /// # Errors
+    /// When the kind declared neither [`Reads::BASE`] nor [`Reads::TERRAIN`].
+    pub fn base_lattice(&self) -> Result<Lattice> {
+        self.declared(Reads::BASE, "BASE").map(|()| self.world.base_lattice())
+    }
+
     /// The node's seed mixed with the graph's.
     ///
     /// # Errors
@@ -104,6 +116,16 @@ impl<'a> Context<'a> {
     /// When the node asked for no summary.
     pub fn summary(&self) -> Result<&'a Summary> {
         self.whole.ok_or(Error::Undeclared { what: "summary" })
+    }
+
+    /// An input on the window that stands at `index` in the list of [`Node::views`](crate::node::Node::views).
+    ///
+    /// # Errors
+    /// When the kind did not declare [`Reads::BASE`], or the list has no such window.
+    pub fn view<T: Wire>(&self, port: &'static str, index: usize) -> Result<T> {
+        self.declared(Reads::BASE, "BASE")?;
+        let mut views = self.views.iter().filter(|(name, _)| *name == port);
+        T::take(port, views.nth(index).map(|(_, value)| value.clone()))
     }
 
     /// A file that the node listed in [`Node::files`](crate::node::Node::files); `None` for an optional one that

@@ -14,7 +14,8 @@
 //! # Nodes: [`node`], [`nodes`], [`context`], [`kit`]
 //! A kind declares how far it looks ([`node::Reach`]), what it reads ([`node::Reads`]) and what it costs; it runs in a
 //! [`context::Context`] that gives grid, seed, progress and cancellation and nothing else. `kit` holds the numerics
-//! that several share. *Caching:* a node keeps no state; what it did not declare, its context refuses, since the key
+//! that several share. What lies far from a sample may be read on a further window of an input, on the base grid
+//! ([`node::Node::views`], [`kit::far`]), so that a wide reach asks no more of a huge build. *Caching:* a node keeps no state; what it did not declare, its context refuses, since the key
 //! of its result would not depend on it.
 //!
 //! # Files that a graph names: [`source`], [`work`]

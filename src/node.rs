@@ -351,6 +351,16 @@ pub trait Node:
         }
     }
 
+    /// Further windows of input `port` that a point or local node reads beside the footprint, each on any lattice:
+    /// as a rule that of the base grid, for what lies far and may be read coarser than the build, so that what an
+    /// output window needs does not grow with the size of the build. They end at the apron like the footprint, and
+    /// the run finds them by their place in the list with [`Context::view`], for which the kind declares
+    /// [`Reads::BASE`].
+    fn views(&self, port: &str, window: &Grid, terrain: &Terrain) -> Vec<Grid> {
+        let (_, _, _) = (port, window, terrain);
+        Vec::new()
+    }
+
     /// Whether an input matters to the result with these parameters; one that does not is never evaluated.
     fn uses(&self, port: &str) -> bool {
         let _ = port;
@@ -366,6 +376,12 @@ pub trait Node:
     fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
         let _ = known;
         self.cost(grid)
+    }
+
+    /// The same where it depends on the base grid, too: what [`views`](Self::views) on it take. The engine asks this.
+    fn cost_with_base(&self, grid: &Grid, base: &Grid, known: Known<'_>) -> Cost {
+        let _ = base;
+        self.cost_with(grid, known)
     }
 
     /// Checks what the schema cannot say: parameters that must fit each other.

@@ -11,6 +11,8 @@ use crate::prelude::*;
 /// A radius below a cell does nothing. Up to 32 cells each sample has its exact median; above, every second, third, …
 /// point of the lattice has, and a smooth surface, nowhere beyond the values it joins, runs between them. Above 128
 /// cells every second, third, … sample of the disk is counted. So the time for a sample does not grow without end.
+/// The rougher a field is within the radius, the more its median is a matter of the size of the build; where the radius
+/// is many base cells wide it is not.
 ///
 /// # See also
 /// `blur` smooths edges as well, and is much faster.

@@ -1,5 +1,6 @@
 //! Moving, turning, scaling, mirroring.
 
+use crate::kit::derivative;
 use crate::kit::sample::{Interpolation, Sampler, method_for};
 use crate::prelude::*;
 use crate::value::Bounds;
@@ -8,11 +9,13 @@ use crate::value::Bounds;
 ///
 /// About a centre, the field is mirrored, scaled, turned and then moved. Values stay as they are. The input goes on
 /// beyond the terrain's edge, so no border shows unless the input has one.
+/// A build coarser than the base grid reads the field on a finer grid, so that it shows the same forms.
 ///
 /// # Limits
 /// Enlarging reads the input as much finer, up to 16 times, and smooths it between its samples beyond that. Shrinking
-/// reads one point for each sample, so fine detail may alias: `blur` it first. More than half a terrain outside the edge, what is there continues. Compass directions
-/// in the values of a field are not turned.
+/// reads one point for each sample, so fine detail may alias: `blur` it first. More than half a terrain outside the
+/// edge, what is there continues. Compass directions in the values of a field are not turned. Between samples the
+/// field is interpolated, so that detail of one or two cells is a matter of the size of the build.
 ///
 /// # See also
 /// `warp` for displacement that varies from place to place.
@@ -87,7 +90,8 @@ impl Node for Transform {
     type Out = Outputs;
     const META: Meta = Meta::new()
         .cite(&["catmull1974"])
-        .reads(Reads::TERRAIN)
+        .reads(Reads::TERRAIN.and(Reads::BASE))
+        .migrations(&[|_| ()])
         .mixes(&[("field", "field")])
         .keywords(&["move", "translate", "rotate", "scale", "mirror", "flip", "offset", "resize"]);
 
@@ -105,7 +109,8 @@ impl Node for Transform {
         match Bounds::around(corners) {
             // Cubic reading takes two samples on either side, and one for the rounding of positions.
             Some(bounds) if !self.is_identity() => {
-                Grid::covering(window.lattice.refined(self.refinement()), bounds).grow_cells(3)
+                let finer = self.refinement(window.cell(), terrain.base_cell());
+                Grid::covering(window.lattice.refined(finer), bounds).grow_cells(3)
             }
             _ => *window,
         }
@@ -140,9 +145,10 @@ impl Node for Transform {
 
 impl Transform {
     /// How much finer the lattice of the input is.
-    fn refinement(&self) -> u32 {
+    fn refinement(&self, cell: f64, base_cell: f64) -> u32 {
         // Up to the next whole number, so that the input has about as many samples as the output.
-        (self.scale.0 - 1e-9).ceil().clamp(1.0, FINEST) as u32
+        let enlarged = (self.scale.0 - 1e-9).ceil().clamp(1.0, FINEST) as u32;
+        enlarged * derivative::refinement(cell, base_cell, base_cell)
     }
 
     fn is_identity(&self) -> bool {

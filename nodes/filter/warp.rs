@@ -1,5 +1,6 @@
 //! Displacement along the ground.
 
+use crate::kit::derivative;
 use crate::kit::hash;
 use crate::kit::noise::{Form, Fractal, FractalRows, Spectrum};
 use crate::kit::rows::Rows;
@@ -11,8 +12,13 @@ use crate::prelude::*;
 /// The value at `p` is fetched from `p + d(p)`, where `d` comes from the connected displacement fields, times `factor`;
 /// those not connected count as zero. Where none is connected, soft noise takes their place.
 ///
+/// A build coarser than the base grid reads the field on a finer grid, so that it bends the same forms.
+///
 /// # Limits
 /// A displacement longer than `limit` is shortened to it. A larger limit makes tiles read more of the input.
+/// Between samples the field is interpolated, so that detail of one or two cells is a matter of the size of the
+/// build. Where such detail is to be the same at several sizes, `detail` reads the field finer, at the cost of as many
+/// more samples of it.
 ///
 /// # See also
 /// `transform` moves the field as a whole.
@@ -36,6 +42,9 @@ pub struct Warp {
     pub octaves: u32,
     /// How the field is read between its samples.
     pub interpolation: Interpolation,
+    /// Widest spacing of the samples that are read of the field, down to a sixteenth of a cell; none for the base cell.
+    #[schemars(range(min = 0.01, max = 10_000.0), extend("x-soft" = [1.0, 500.0], "x-log" = true))]
+    pub detail: Option<Metres>,
     /// Chooses the built-in noise.
     pub seed: Seed,
 }
@@ -49,6 +58,7 @@ impl Default for Warp {
             feature_size: Metres(800.0),
             octaves: 3,
             interpolation: Interpolation::Cubic,
+            detail: None,
             seed: Seed(0),
         }
     }
@@ -76,7 +86,8 @@ impl Node for Warp {
     type Out = Outputs;
     const META: Meta = Meta::new()
         .cite(&["catmull1974", "perlin2002"])
-        .reads(Reads::SEED)
+        .reads(Reads::SEED.and(Reads::BASE))
+        .migrations(&[|_| ()])
         .mixes(&[("field", "field")])
         .keywords(&["distort", "displace", "domain warp", "turbulence", "swirl", "flow"]);
 
@@ -85,8 +96,12 @@ impl Node for Warp {
         Reach::local(self.limit.0).plus_cells(2)
     }
 
-    fn footprint(&self, port: &str, window: &Grid, _: &Terrain) -> Grid {
-        if port == "field" { window.grow_metres(self.limit.0).grow_cells(2) } else { *window }
+    fn footprint(&self, port: &str, window: &Grid, terrain: &Terrain) -> Grid {
+        if port != "field" {
+            return *window;
+        }
+        let finer = window.refined(self.refinement(window.cell(), terrain.base_cell()));
+        finer.grow_metres(self.limit.0).grow_cells(2)
     }
 
     fn cost(&self, grid: &Grid) -> Cost {
@@ -104,7 +119,8 @@ impl Node for Warp {
         let sampler = Sampler::new(&input.field).ok_or_else(empty)?;
         let quantity = input.field.quantity();
         let method = method_for(quantity, self.interpolation);
-        let (limit, per_metre) = (self.limit.0, 1.0 / cx.grid.cell());
+        let fine = f64::from(self.refinement(cx.grid.cell(), cx.base_cell()?));
+        let (limit, per_metre) = (self.limit.0, fine / cx.grid.cell());
         let noise = if input.is_displaced() { None } else { Some(self.noise(cx)?) };
         let xs = cx.grid.xs();
         let displacement = match &noise {
@@ -116,7 +132,10 @@ impl Node for Warp {
             displacement.row(row, [&mut east, &mut south]);
             let places = east.iter().zip(&south).enumerate().map(|(i, (&x, &y))| {
                 let [x, y] = shortened([f64::from(x), f64::from(y)], limit);
-                [(cx.grid.col + i as i64) as f64 + x * per_metre, row.row as f64 + y * per_metre]
+                [
+                    (cx.grid.col + i as i64) as f64 * fine + x * per_metre,
+                    row.row as f64 * fine + y * per_metre,
+                ]
             });
             sampler.row(method, quantity, &places.collect::<Vec<_>>(), out);
         })?;
@@ -125,6 +144,12 @@ impl Node for Warp {
 }
 
 impl Warp {
+    /// How many times finer than the build's the lattice of the field is.
+    fn refinement(&self, cell: f64, base_cell: f64) -> u32 {
+        let wanted = self.detail.map_or(1.0, |m| (cell / m.0 - 1e-9).ceil().clamp(1.0, FINEST));
+        derivative::refinement(cell, base_cell, base_cell).max(wanted as u32)
+    }
+
     /// The displacements to the east and south by noise, in metres.
     fn noise(&self, cx: &Context<'_>) -> Result<[Fractal; 2]> {
         let seed = cx.seed(self.seed)?;
@@ -144,6 +169,9 @@ impl Inputs {
         self.dx.is_some() || self.dy.is_some() || self.vectors.is_some()
     }
 }
+
+/// The field is asked for on a lattice at most this much finer than the build's.
+const FINEST: f64 = 16.0;
 
 /// A vector of at most some length.
 fn shortened([x, y]: [f64; 2], limit: f64) -> [f64; 2] {

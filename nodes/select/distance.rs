@@ -13,6 +13,9 @@ use crate::prelude::*;
 /// # Limits
 /// Distances are between samples, so that edges are as exact as the cell; the time grows with the limit only as far
 /// as the window around a tile does.
+/// The mask is what the build's samples say: a finer build of a rough mask has smaller patches and holes, and more of
+/// them, so that the distance to the nearest is a matter of the size. A mask without detail near the cell, such as one
+/// blurred over some base cells before it is selected, has the same distances at every size but for a cell.
 ///
 /// # See also
 /// `expand` for a wider mask, `curve` and `remap` to shape the distance.

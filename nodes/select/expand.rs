@@ -13,6 +13,8 @@ use crate::prelude::*;
 ///
 /// # Limits
 /// Distances are between samples. The time for a sample grows in proportion to the radius in cells.
+/// A finer build of a rough field has higher tips and deeper pits between the samples of a coarser one, and every one
+/// of them fills a disk: what comes out of a rough field or mask is a matter of the size, that of a smooth one is not.
 ///
 /// # See also
 /// `distance` for falloffs wider than the radius.

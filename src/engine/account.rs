@@ -88,8 +88,9 @@ fn cost(
 ) -> Cost {
     let own = match stage {
         Stage::Gridless | Stage::Run | Stage::Base => {
-            step.node.cost_with(grid, &|port| foretold.input(step, port)).and(step.reading())
-        },
+            let known = |port: &str| foretold.input(step, port);
+            step.node.cost_with_base(grid, base, &known).and(step.reading())
+        }
         Stage::Summary => Cost::per_sample(grid, 4.0),
         Stage::Lift => lift_cost(step, grid, base, read),
     };

@@ -50,6 +50,8 @@ impl Stage {
 pub(super) enum Role {
     /// An input of the kind.
     Input { port: &'static str, from: &'static str },
+    /// An input of the kind on one of its further windows, in the order of their list.
+    View { port: &'static str, from: &'static str },
     /// The statistic of the whole.
     Summary,
     /// A global node's own result on the base grid.

@@ -10,7 +10,7 @@ use super::plan::{Role, Stage, Task, Wanted};
 use super::program::{Input, Program, Step};
 use crate::node::Reach;
 use crate::ports::Wires;
-use crate::value::Grid;
+use crate::value::{Grid, Terrain};
 
 /// A task before its dependencies have numbers.
 struct Draft {
@@ -150,9 +150,7 @@ impl<'a> Planner<'a> {
     }
 
     fn input_asks(step: &Step, window: impl Fn(&'static str) -> Grid) -> Vec<(Role, Ask)> {
-        let kind = step.kind;
-        let own =
-            step.inputs.iter().filter(|i| kind.meta.mixes.is_empty() || i.port != crate::ports::MASK.name);
+        let own = step.inputs.iter().filter(|i| is_own(step, i));
         own.map(|i| (Role::Input { port: i.port, from: i.from }, asked(i, window(i.port)))).collect()
     }
 
@@ -160,10 +158,22 @@ impl<'a> Planner<'a> {
         let terrain = &self.program.terrain;
         let mut asks =
             Self::input_asks(step, |port| clip(&step.node.footprint(port, grid, terrain), terrain));
+        asks.extend(Self::view_asks(step, grid, terrain));
         if step.node.needs_summary() {
             asks.push((Role::Summary, Ask::Own(Stage::Summary)));
         }
         Self::mix_asks(step, grid, Outputs::all(step.kind), &mut asks);
+        asks
+    }
+
+    /// What an input is read on besides its footprint, each window for itself.
+    fn view_asks(step: &Step, grid: &Grid, terrain: &Terrain) -> Vec<(Role, Ask)> {
+        let mut asks = Vec::new();
+        for input in step.inputs.iter().filter(|i| is_own(step, i)) {
+            let role = Role::View { port: input.port, from: input.from };
+            let windows = step.node.views(input.port, grid, terrain).into_iter();
+            asks.extend(windows.map(|window| (role, asked(input, clip(&window, terrain)))));
+        }
         asks
     }
 
@@ -253,6 +263,11 @@ impl<'a> Planner<'a> {
     }
 }
 
+/// Whether an input is the kind's own, rather than the mask by which the engine mixes.
+fn is_own(step: &Step, input: &Input) -> bool {
+    step.kind.meta.mixes.is_empty() || input.port != crate::ports::MASK.name
+}
+
 /// What an input asks for on a grid.
 fn asked(input: &Input, grid: Grid) -> Ask {
     Ask::Result { step: input.step, from: input.from, grid }
@@ -294,7 +309,7 @@ impl Results {
 }
 
 /// Keeps a footprint inside the apron; one that lies wholly outside becomes the nearest line of it.
-fn clip(window: &Grid, terrain: &crate::value::Terrain) -> Grid {
+fn clip(window: &Grid, terrain: &Terrain) -> Grid {
     let apron = terrain.apron(window.lattice);
     let clamp = |start: i64, end: i64, lo: i64, hi: i64| {
         let start = start.clamp(lo, hi - 1);

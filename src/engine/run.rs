@@ -333,6 +333,7 @@ impl Runner<'_> {
             (Role::Summary, Given::Summary(s)) => Some(s),
             _ => None,
         });
+        let views = views(&needs)?;
         // Progress arrives from many threads; only steps of a hundredth go on.
         let last = AtomicU64::new(0);
         let progress = |share: f32| {
@@ -351,6 +352,7 @@ impl Runner<'_> {
             reads: step.kind.meta.reads,
             world: &self.plan.program.terrain,
             whole: summary,
+            views: &views,
             files: &step.files,
             cancel: self.cancel,
             progress: &progress,
@@ -435,6 +437,18 @@ fn put(wires: &mut Wires, port: &'static str, value: Option<&Value>) -> Result<(
     let value = value.ok_or(Error::Missing { port })?;
     wires.put(port, value.clone());
     Ok(())
+}
+
+/// The inputs on their further windows.
+fn views(needs: &Needs<'_>) -> Result<Vec<(&'static str, Value)>> {
+    let mut views = Vec::new();
+    for (role, given) in needs {
+        if let (Role::View { port, from }, Some(wires)) = (role, given.wires()) {
+            let value = wires.get(from).ok_or(Error::Missing { port })?;
+            views.push((*port, value.clone()));
+        }
+    }
+    Ok(views)
 }
 
 fn fine_inputs(needs: &Needs<'_>) -> Result<Wires> {

@@ -36,7 +36,7 @@ pub fn footprint(window: &Grid, scale: Option<Metres>, base_cell: f64) -> Grid {
 
 /// How many times finer than the window's lattice the one to read is: fine enough for the scale, yet no finer than
 /// the base grid.
-fn refinement(cell: f64, scale: f64, base_cell: f64) -> u32 {
+pub fn refinement(cell: f64, scale: f64, base_cell: f64) -> u32 {
     let wanted = (cell / scale - 1e-9).ceil();
     let allowed = (cell / base_cell + 1e-9).floor();
     wanted.min(allowed).max(1.0) as u32

@@ -7,6 +7,7 @@ pub mod curves;
 pub mod derivative;
 pub mod diffusion;
 pub mod distance;
+pub mod far;
 pub mod hash;
 pub mod math;
 pub mod median;

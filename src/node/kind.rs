@@ -17,12 +17,16 @@ pub trait AnyNode: Debug + Send + Sync {
     fn reach(&self) -> Reach;
     /// See [`Node::footprint`].
     fn footprint(&self, port: &str, window: &Grid, terrain: &Terrain) -> Grid;
+    /// See [`Node::views`].
+    fn views(&self, port: &str, window: &Grid, terrain: &Terrain) -> Vec<Grid>;
     /// See [`Node::uses`].
     fn uses(&self, port: &str) -> bool;
     /// See [`Node::cost`].
     fn cost(&self, grid: &Grid) -> Cost;
     /// See [`Node::cost_with`].
     fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost;
+    /// See [`Node::cost_with_base`].
+    fn cost_with_base(&self, grid: &Grid, base: &Grid, known: Known<'_>) -> Cost;
     /// See [`Node::check`].
     ///
     /// # Errors
@@ -57,6 +61,9 @@ impl<N: Node> AnyNode for N {
     fn footprint(&self, port: &str, window: &Grid, terrain: &Terrain) -> Grid {
         Node::footprint(self, port, window, terrain)
     }
+    fn views(&self, port: &str, window: &Grid, terrain: &Terrain) -> Vec<Grid> {
+        Node::views(self, port, window, terrain)
+    }
     fn uses(&self, port: &str) -> bool {
         Node::uses(self, port)
     }
@@ -65,6 +72,9 @@ impl<N: Node> AnyNode for N {
     }
     fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
         Node::cost_with(self, grid, known)
+    }
+    fn cost_with_base(&self, grid: &Grid, base: &Grid, known: Known<'_>) -> Cost {
+        Node::cost_with_base(self, grid, base, known)
     }
     fn check(&self) -> Result<()> {
         Node::check(self)

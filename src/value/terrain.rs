@@ -127,6 +127,11 @@ impl Terrain {
         self.grid(self.base).expect("a checked terrain has a base grid")
     }
 
+    /// The lattice of the base grid.
+    pub fn base_lattice(&self) -> Lattice {
+        Lattice { origin: self.origin, span: self.span(), intervals: self.base.max(2) - 1 }
+    }
+
     /// The widest window of a lattice that is ever evaluated: the terrain and half its longer side around it.
     /// Beyond it border values continue, so that no chain of wide filters asks for more than four terrains.
     pub fn apron(&self, lattice: Lattice) -> Grid {

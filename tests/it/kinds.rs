@@ -50,6 +50,8 @@ params! {
     Bytes { file: FilePath = FilePath::default() }
     Either { first: FilePath = FilePath::default(), second: FilePath = FilePath::default() }
     Grumbles {}
+    Around { radius: Metres = Metres(500.0) }
+    Glances {}
     Hog { share: Ratio = Ratio(1.0) }
 }
 
@@ -268,6 +270,56 @@ generator! {
     };
 }
 
+/// The change of a field over its radius to the east and west: near things on the build's lattice, far ones on the base
+/// grid's.
+impl Node for Around {
+    type In = One;
+    type Out = One;
+    const META: Meta = Meta::new().reads(Reads::BASE);
+    fn reach(&self) -> Reach {
+        Reach::local(self.radius.0)
+    }
+    fn footprint(&self, _: &str, window: &Grid, _: &Terrain) -> Grid {
+        *window
+    }
+    fn views(&self, _: &str, window: &Grid, terrain: &Terrain) -> Vec<Grid> {
+        let base = Grid::covering(terrain.base_lattice(), window.bounds());
+        vec![base, base.grow_metres(self.radius.0)]
+    }
+    fn run(&self, cx: &Context<'_>, One { field }: One) -> Result<One> {
+        let (under, far): (Field, Field) = (cx.view("field", 0)?, cx.view("field", 1)?);
+        let base = cx.base_lattice()?;
+        assert!(under.grid().lattice == base && far.grid().contains(under.grid()), "the list's order");
+        let reach = (self.radius.0 / base.cell()) as i64;
+        let xs = cx.grid.xs();
+        let field = field.crop(&cx.grid);
+        let out = cx.fill(field.quantity(), |row, out: &mut [f32]| {
+            for ((o, &x), here) in out.iter_mut().zip(&xs).zip(field.row(row.j)) {
+                let [c, r] = base.steps(x, row.y).map(|v| v.floor() as i64);
+                *o = here - 0.5 * (far.at(c - reach, r) + far.at(c + reach, r));
+            }
+        })?;
+        Ok(One { field: out })
+    }
+}
+
+/// Looks at the base grid and does not say so.
+impl Node for Glances {
+    type In = One;
+    type Out = One;
+    const META: Meta = Meta::new();
+    fn reach(&self) -> Reach {
+        Reach::local(0.0)
+    }
+    fn views(&self, _: &str, _: &Grid, terrain: &Terrain) -> Vec<Grid> {
+        vec![terrain.base_grid()]
+    }
+    fn run(&self, cx: &Context<'_>, One { field }: One) -> Result<One> {
+        let _: Field = cx.view("field", 0)?;
+        Ok(One { field: field.crop(&cx.grid) })
+    }
+}
+
 /// Uses four fields of scratch memory and says so, or only in part.
 impl Node for Hog {
     type In = None;
@@ -345,6 +397,8 @@ pub(crate) fn registry() -> Registry {
             Kind::of::<Either>("test", "either"),
             Kind::of::<Hog>("test", "hog"),
             Kind::of::<Grumbles>("test", "grumbles"),
+            Kind::of::<Around>("test", "around"),
+            Kind::of::<Glances>("test", "glances"),
         ]
     });
     Registry::standard().with(KINDS.iter())

@@ -31,3 +31,4 @@ mod sources;
 mod strangers;
 mod trials;
 mod vectors;
+mod views;

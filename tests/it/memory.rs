@@ -123,8 +123,17 @@ fn said_and_taken(kind: &'static Kind, set: &Map<String, Json>, size: u32, wider
         _ => 0,
     };
     let copies: u64 = wires.iter().map(cut).sum();
+    let mut views = Vec::new();
+    for port in kind.inputs() {
+        let windows = node.views(port.name, &grid, terrain).into_iter();
+        for window in windows.map(|w| within_apron(&w, terrain)) {
+            views.extend(inputs(&|_| window).take(port.name).map(|value| (port.name, value)));
+        }
+    }
+    cx.views = &views;
     let (took, outputs) = peak(|| node.run(&cx, wires));
-    Some((node.cost(&grid).bytes + copies, took.saturating_sub(outputs.ok()?.bytes())))
+    let said = node.cost_with_base(&grid, &terrain.base_grid(), &|_| None).bytes;
+    Some((said + copies, took.saturating_sub(outputs.ok()?.bytes())))
 }
 
 /// The part of a window that the engine would hand over.

@@ -32,15 +32,33 @@ impl Case {
     /// Runs on a window with inputs that are exactly the footprint, clipped to a square around the terrain as the
     /// engine clips to the apron.
     fn run_in(&self, terrain: &Terrain, window: Grid, source: &Source, apron: f64) -> Wires {
-        let wires = self.inputs(source, |port| {
-            let wanted = self.node.footprint(port, &window, terrain);
-            let whole = Grid::covering(wanted.lattice, terrain.bounds().grown(apron));
-            wanted.intersection(&whole)
-        });
+        let clip = |wanted: Grid| {
+            wanted.intersection(&Grid::covering(wanted.lattice, terrain.bounds().grown(apron)))
+        };
+        let wires = self.inputs(source, |port| clip(self.node.footprint(port, &window, terrain)));
         let (cancel, whole) = (Cancel::default(), self.summary(terrain, source));
+        let views = self.views(terrain, window, source, clip);
         let cx = Context { whole: whole.as_ref(), ..Context::bare(window, terrain, &cancel) };
-        let cx = Context { reads: self.kind.meta.reads, ..cx };
+        let cx = Context { reads: self.kind.meta.reads, views: &views, ..cx };
         self.node.run(&cx, wires).unwrap_or_else(|e| panic!("{}: {e}", self.label))
+    }
+
+    /// The inputs on their further windows.
+    fn views(
+        &self,
+        terrain: &Terrain,
+        window: Grid,
+        source: &Source,
+        clip: impl Fn(Grid) -> Grid,
+    ) -> Vec<(&'static str, Value)> {
+        let value = |name: &'static str, grid: Grid| {
+            let field = Field::from_fn(clip(grid), Quantity::Number, |x, y| source(name, x, y));
+            (name, Value::Field(field))
+        };
+        let of = |name: &'static str| {
+            self.node.views(name, &window, terrain).into_iter().map(move |grid| (name, grid))
+        };
+        self.kind.inputs().flat_map(|p| of(p.name)).map(|(name, grid)| value(name, grid)).collect()
     }
 
     fn run(&self, terrain: &Terrain, window: Grid, source: &Source) -> Wires {
@@ -103,6 +121,15 @@ fn cases() -> Vec<Case> {
         all.push(case("expand", json!({ "mode": mode, "radius": 43.0, "soft": 70.0 })));
     }
     all
+}
+
+/// Skies whose far ground leaves the terrain, is coarse, or is near as well.
+fn far_cases() -> Vec<Case> {
+    vec![
+        case("occlusion", json!({ "radius": 1900.0, "directions": 7 })),
+        case("occlusion", json!({ "radius": 700.0, "directions": 9, "detail": 21.0 })),
+        case("occlusion", json!({ "radius": 20_000.0, "directions": 5, "detail": 0.7 })),
+    ]
 }
 
 /// A world 2 km wide with a base cell of 8 m.
@@ -178,7 +205,8 @@ fn a_larger_input_gives_the_same() {
         let exact = case.run(&terrain, tile, &ground);
         let wires = case.inputs(&ground, |port| case.node.footprint(port, &tile, &terrain).grow_cells(13));
         let (cancel, whole) = (Cancel::default(), case.summary(&terrain, &ground));
-        let cx = Context { whole: whole.as_ref(), ..Context::bare(tile, &terrain, &cancel) };
+        let views = case.views(&terrain, tile, &ground, |grid| grid.grow_cells(21));
+        let cx = Context { whole: whole.as_ref(), views: &views, ..Context::bare(tile, &terrain, &cancel) };
         same(&case.label, &case.node.run(&cx, wires).unwrap(), &exact, &tile);
     }
 }
@@ -219,9 +247,62 @@ fn derivatives_pick_the_same_places_at_every_size() {
             assert_eq!(want, thinned(fine.get(port).unwrap(), 4), "{id} `{port}` at 513 and 2049");
         }
     }
-    let case = case("occlusion", json!({ "radius": 150.0 }));
-    let [middle, fine] = [middle, fine].map(|w| case.run(&terrain, w, &ground));
-    assert_eq!(thinned(middle.get("visibility").unwrap(), 1), thinned(fine.get("visibility").unwrap(), 2));
+    // What lies far is read between the same samples; only the last bits hang on the columns in between.
+    for case in
+        [case("occlusion", json!({ "radius": 150.0 })), case("occlusion", json!({ "radius": 2000.0 }))]
+    {
+        let [coarse, middle, fine] = [coarse, middle, fine].map(|w| case.run(&terrain, w, &ground));
+        let seen = |wires: &Wires, step| {
+            let values = thinned(wires.get("visibility").unwrap(), step);
+            values.into_iter().map(f32::from_bits).collect::<Vec<_>>()
+        };
+        let want = seen(&middle, 2);
+        assert!(want.iter().any(|v| *v < 0.9), "{}: all is seen", case.label);
+        for other in [seen(&coarse, 1), seen(&fine, 4)] {
+            let off = want.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(want.len() == other.len() && off < 2e-6, "{}: {off}", case.label);
+        }
+    }
+}
+
+#[test]
+fn the_sky_in_tiles_is_cut_from_the_whole_at_sizes_above_and_below_the_base_grid() {
+    let terrain = world();
+    let apron = 0.5 * terrain.span();
+    for case in cases().into_iter().chain(far_cases()).filter(|c| c.kind.id == "occlusion") {
+        // Twice and four times as coarse as the base grid, between the two, and finer by whole and odd factors.
+        for size in [65u32, 129, 177, 257, 301, 513, 1153] {
+            let n = i64::from(size);
+            let cut = |k: i64, parts: i64| (n - 1) * k / parts;
+            let strip = window(&terrain, size, [0, cut(2, 7)], [size as usize, 5]);
+            let whole = case.run_in(&terrain, strip, &ground, apron);
+            for (col, cols, row, rows) in
+                [(0, 9, 0, 5), (cut(1, 3), 31, 1, 2), (n - 8, 8, 2, 3), (cut(1, 2), 1, 4, 1)]
+            {
+                let tile = window(&terrain, size, [col, strip.row + row], [cols, rows]);
+                same(&case.label, &case.run_in(&terrain, tile, &ground, apron), &whole, &tile);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_the_sky_reads_does_not_grow_with_the_build() {
+    let terrain = Terrain::default();
+    let case = case("occlusion", json!({ "radius": 1200.0 }));
+    let read = |size: u32| {
+        let whole = terrain.grid(size).unwrap();
+        let middle = i64::from(size / 2);
+        let tile = Grid { col: middle, row: middle, cols: 129, rows: 129, ..whole };
+        let near = case.node.footprint("height", &tile, &terrain);
+        let far = case.node.views("height", &tile, &terrain);
+        let cost = case.node.cost_with_base(&tile, &terrain.base_grid(), &|_| None);
+        (near.len(), far.iter().map(Grid::len).sum::<usize>(), cost.bytes)
+    };
+    let ((near, far, bytes), (_, far_before, _)) = (read(16_385), read(2049));
+    assert!(near <= 360 * 360, "{near} samples near by, of which 7 base cells are 112 to a side");
+    assert!(far <= far_before, "{far} samples far off, {far_before} at 2049");
+    assert!(bytes < 16 << 20, "{bytes} bytes");
 }
 
 #[test]
@@ -687,8 +768,9 @@ fn cancelled_work_stops() {
     for case in cases() {
         let wires = case.inputs(&ground, |port| case.node.footprint(port, &tile, &terrain));
         let (cancel, whole) = (Cancel::default(), case.summary(&terrain, &ground));
+        let views = case.views(&terrain, tile, &ground, |grid| grid);
         cancel.cancel();
-        let cx = Context { whole: whole.as_ref(), ..Context::bare(tile, &terrain, &cancel) };
+        let cx = Context { whole: whole.as_ref(), views: &views, ..Context::bare(tile, &terrain, &cancel) };
         assert_eq!(
             case.node.run(&cx, wires).unwrap_err(),
             orograph::node::Error::Cancelled,
