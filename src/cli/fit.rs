@@ -6,7 +6,7 @@ use serde_json::{Value as Json, json};
 
 use super::args::parse_positive;
 use super::exit::{Exit, Stop, print_lines, save_known};
-use super::height::{self, ReadArgs};
+use super::height::{self, MemoryArgs, ReadArgs};
 use super::open;
 use crate::files::{Fit, HeightFile, Placed, Placing, Units};
 use crate::graph::{Graph, NodeId, Place, Problem};
@@ -33,6 +33,8 @@ pub(super) struct Args {
     cell: Option<f64>,
     #[command(flatten)]
     read: ReadArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Writes another graph and leaves the first as it is
     #[arg(short = 'o', long = "out", value_name = "GRAPH")]
     out: Option<PathBuf>,
@@ -56,7 +58,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let before = std::fs::read(&args.graph).map_err(cannot)?;
     let nodes = nodes(&graph, args)?;
     let reading = nodes.iter().fold(args.read.reading(), |r, (_, node)| r.or(&node.reading_as()));
-    let file = height::read(&args.file, &reading, cancel)?;
+    let file = height::read(&args.file, &reading, args.memory.budget(), 0, cancel)?;
     let mut fitting = Fitting { graph: &mut graph, lines: Vec::new(), refused: None };
     fitting.terrain(&file, args, &nodes)?;
     fitting.names(&nodes, &args.file, target);

@@ -1,6 +1,6 @@
 //! `orograph render`: a shaded picture of a graph's output or of a height file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 

@@ -78,14 +78,7 @@ const OUTPUT_NUMBER: f64 = 4e-9;
 /// A statistic of the whole is a few numbers, or the points of a curve.
 const SUMMARY_BYTES: u64 = 1 << 14;
 
-fn cost(
-    step: &Step,
-    stage: Stage,
-    grid: &Grid,
-    base: &Grid,
-    read: Outputs,
-    foretold: &Foretold<'_>,
-) -> Cost {
+fn cost(step: &Step, stage: Stage, grid: &Grid, base: &Grid, read: Outputs, foretold: &Foretold<'_>) -> Cost {
     let own = match stage {
         Stage::Gridless | Stage::Run | Stage::Base => {
             let known = |port: &str| foretold.input(step, port);

@@ -8,6 +8,7 @@ use super::codec::Codec;
 use super::error::{Fault, ReadError};
 use super::input::{Companion, Input};
 use super::place::Placement;
+use super::reading::Reading;
 use super::watch::Watch;
 
 /// The most that a file may claim before memory is taken for it.

@@ -2,7 +2,7 @@
 
 use super::codec::{Codec, Form};
 use super::error::{Fault, WriteError};
-use super::flat::{Flat, Number, height};
+use super::flat::{Flat, height};
 use super::height::{HeightFile, Origin};
 use super::input::{Claim, Input};
 use super::place::Placement;

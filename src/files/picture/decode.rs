@@ -158,7 +158,7 @@ fn png(bytes: &[u8], claim: &PictureClaim, cancel: &Cancel) -> Result<Pixels, Fa
     decoder.set_ignore_iccp_chunk(true);
     let info = decoder.read_header_info().map_err(broken)?;
     let line = u64::from(info.width).saturating_mul(info.bits_per_pixel() as u64) / 8;
-    Limits::plausible(line.saturating_mul(claim.rows), bytes.len())?;
+    Limits::plausible(line.saturating_mul(claim.rows), bytes.len() as u64)?;
     // Room for the decoder's own rows, and for a whole picture where it is interlaced.
     decoder.set_limits(png::Limits { bytes: usize::MAX });
     let mut reader = decoder.read_info().map_err(broken)?;
@@ -228,7 +228,7 @@ fn jpeg(
     notes: &mut Vec<String>,
 ) -> Result<Pixels, Fault> {
     let size = claim.cols.saturating_mul(claim.rows).saturating_mul(3);
-    Limits::plausible(size, bytes.len())?;
+    Limits::plausible(size, bytes.len() as u64)?;
     // Without the instructions of some machines, whose results are not said to be the same to the bit.
     let options = DecoderOptions::default()
         .set_use_unsafe(false)

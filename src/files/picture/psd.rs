@@ -26,7 +26,7 @@ pub(super) fn read(bytes: &[u8], claim: &PictureClaim, cancel: &Cancel) -> Resul
         0 => file.take(claimed as usize)?.to_vec(),
         1 => run_lengths(&mut file, &header, [claim.rows as usize, line], cancel)?,
         method @ (2 | 3) => {
-            Limits::plausible(claimed, file.rest.len())?;
+            Limits::plausible(claimed, file.rest.len() as u64)?;
             let mut data = vec![0; claimed as usize];
             let mut inflated = flate2::read::ZlibDecoder::new(file.rest);
             inflated.read_exact(&mut data).map_err(|e| Fault::Damaged(e.to_string()))?;
