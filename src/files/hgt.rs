@@ -37,9 +37,11 @@ fn size(input: &Input<'_>) -> Result<[u64; 2], Fault> {
     }
     let narrow = |rows: u64| {
         let cols = found / 2 / rows;
-        let fits = cols * rows * 2 == found && cols > 1;
+        if cols < 2 || cols * rows * 2 != found {
+            return None;
+        }
         let fewer = FEWER.iter().any(|tenths| (cols - 1) * tenths == (rows - 1) * 10);
-        (fits && fewer).then_some([cols, rows])
+        fewer.then_some([cols, rows])
     };
     // Nothing else than the length tells the size.
     input.limits.samples(side, side)?;
