@@ -102,7 +102,7 @@ fn plan_says_why_something_cannot_be_made_and_ends_as_build_does() {
         (file("../out.tif"), "dem.height", 4, "refused"),
         (file("/etc/passwd"), "dem.height", 4, "refused"),
         (bad, "soft.field", 3, "octaves"),
-        (json!({ "soft": { "kind": "blur" } }), "soft.field", 3, "not connected"),
+        (json!({ "soft": { "kind": "blur" } }), "soft.field", 3, "must be connected"),
         (json!({ "soft": { "kind": "blurr" } }), "soft.field", 3, "blurr"),
         (hills(), "sofft.field", 3, "sofft"),
         (hills(), "soft.feeld", 3, "feeld"),
