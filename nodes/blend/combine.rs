@@ -31,14 +31,14 @@ pub struct Combine {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Mode {
-    /// `a + b`.
+    /// The sum, `a + b`.
     #[default]
     Add,
     /// `a − b`.
     Subtract,
     /// `a · b`: a mask scales a field.
     Multiply,
-    /// `a / b`.
+    /// The quotient, `a / b`.
     Divide,
     /// The lower of the two.
     Min,

@@ -37,7 +37,7 @@ const DECODING_SECONDS: f64 = 30e-9;
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportHeight {
-    /// The file.
+    /// The height file.
     pub file: FilePath,
     /// Where it goes.
     pub placement: Placing,

@@ -22,7 +22,7 @@ pub enum About {
     /// The middle between the lowest and the highest value of the whole terrain, on the base grid; 1/2 of a mask.
     #[default]
     Range,
-    /// A value.
+    /// A value that is given.
     Value {
         /// The value, in the unit of the field.
         #[schemars(range(min = -1.0e6, max = 1.0e6), extend("x-soft" = [0.0, 1000.0]))]

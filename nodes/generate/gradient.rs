@@ -9,7 +9,7 @@ use crate::prelude::*;
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Gradient {
-    /// The form.
+    /// How the values run over the terrain.
     pub form: Form,
     /// Middle of the form: metres east and metres south of the middle of the terrain.
     #[schemars(extend("x-widget" = "point", "x-items" = ["east", "south"]))]

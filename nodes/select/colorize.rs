@@ -19,7 +19,7 @@ use crate::prelude::*;
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Colorize {
-    /// The ramp.
+    /// Which colours stand for which values.
     pub palette: Palette,
     /// How colours pass from stop to stop.
     pub blend: Blend,

@@ -38,7 +38,7 @@ pub struct Hillshade {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Light {
-    /// From one.
+    /// From one direction.
     #[default]
     Single,
     /// From four: 90° and 45° to the left, straight on, and 45° to the right.

@@ -181,7 +181,8 @@ impl Editor {
             match held.over {
                 Some((why, need)) => self.over_budget(ui, &why, need),
                 None => {
-                    let files = (held.unread > 0).then(|| format!(" and read {} of files", bytes(held.unread)));
+                    let files =
+                        (held.unread > 0).then(|| format!(" and read {} of files", bytes(held.unread)));
                     let text =
                         format!("would take about {}{}", time(held.seconds), files.unwrap_or_default());
                     ui.colored_label(theme::WARNING, text);

@@ -502,6 +502,7 @@ fn a_node_warns() {
     let mapping = json!({ "height": { "property": { "name": "elevation" } } });
     let graph = json!({
         "orograph": 1,
+        "kinds": { "import_curves": 2, "curve_raster": 1, "diffuse": 1 },
         "terrain": { "width": 2048, "depth": 1024, "base": 129 },
         "nodes": {
             "lines": { "kind": "import_curves", "set": { "file": "lines.geojson", "mapping": mapping } },
@@ -514,7 +515,7 @@ fn a_node_warns() {
     let built = desk.build(&["--tiles", "2x1"]);
     let said = said(&built);
     assert_eq!(code(&built), 0, "{said}");
-    let warning = "node `lines`: 1 geometries that are no lines were left out";
+    let warning = "node `lines`: 1 geometry that is no line, left out: feature 1, a Point";
     assert_eq!(said.matches(warning).count(), 1, "{said}");
     assert_eq!(desk.report()["warnings"], json!([warning]));
     let drawn = run(&["render", &text(&desk.path("a.graph")), "-o", &text(&desk.path("a.png"))]);

@@ -32,14 +32,22 @@ fn rayon_pool() -> rayon::ThreadPool {
     rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap()
 }
 
-/// What grows too fast; `work` is given how many times as large its input is.
+/// What grows too fast; `work` is given how many times as large its input is. The best of three tries counts: work beside
+/// the tests takes the caches of the processor from the larger input first.
 fn fault<T: Send>(name: &str, work: impl Fn(usize) -> T + Sync) -> Option<String> {
-    let (one, ten) = (least(|| work(1)), least(|| work(10)));
-    let line =
-        format!("{name}: {:.2} ms, ten times as much {:.2} ms, {:.1} times", one * 1e3, ten * 1e3, ten / one);
-    println!("{line}");
-    // A fifth of a millisecond is the clock's and the allocator's own.
-    (ten > 15.0 * one + 2e-4).then_some(line)
+    let mut slow = None;
+    for _ in 0..3 {
+        let (one, ten) = (least(|| work(1)), least(|| work(10)));
+        let (short, long) = (one * 1e3, ten * 1e3);
+        let line = format!("{name}: {short:.2} ms, ten times as much {long:.2} ms, {:.1} times", ten / one);
+        println!("{line}");
+        // A fifth of a millisecond is the clock's and the allocator's own.
+        if ten <= 15.0 * one + 2e-4 {
+            return None;
+        }
+        slow = Some(line);
+    }
+    slow
 }
 
 fn quadratic(n: usize) -> usize {

@@ -24,7 +24,11 @@ fn gaps(place: &str, params: &[Param], top: bool, gaps: &mut Vec<String>) {
         if p.doc.len() < 10 {
             say("no words");
         }
-        if !top && p.default.is_null() && !p.required && !matches!(p.shape, Shape::List { .. }) {
+        if !top
+            && p.default.is_null()
+            && !p.required
+            && !matches!(p.shape, Shape::List { .. } | Shape::Text { .. })
+        {
             say("neither required nor with a default");
         }
         inner(&place, &p.shape, p, gaps);

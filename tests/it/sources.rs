@@ -280,7 +280,12 @@ fn hashing_tells_and_stops() {
 fn decoded_files_are_accounted_and_let_go() {
     let folder = tempfile::tempdir().unwrap();
     let samples = |n: usize| (0..n * n).flat_map(|k| (k as f32).to_le_bytes()).collect::<Vec<u8>>();
-    std::fs::write(folder.path().join("a.r32"), samples(257)).unwrap();
+    let path = folder.path().join("a.r32");
+    std::fs::write(&path, samples(257)).unwrap();
+    // The stamp of a file that is younger than two seconds does not tell its content.
+    let hour = std::time::Duration::from_secs(3600);
+    let before = std::time::SystemTime::now() - hour;
+    std::fs::File::options().append(true).open(&path).unwrap().set_modified(before).unwrap();
     let g = graph(json!({ "file": { "kind": "import_height", "set": { "file": "a.r32" } } }));
     let wants = [Want { port: "height", ..want(&g, "file", small(&g)) }];
     let bytes = 257 * 257 * 4;

@@ -149,8 +149,8 @@ fn every_command_survives_every_graph() {
         for command in commands {
             let end = run(command);
             let json = command.contains(&"--json");
-            let broken = json && !serde_json::from_str::<Json>(&end.said).is_ok_and(|v| !v.is_null());
-            let fault = end.fault().or_else(|| broken.then(|| format!("is no JSON: {}", end.said)));
+            let broken = json && !serde_json::from_str::<Json>(&end.told).is_ok_and(|v| !v.is_null());
+            let fault = end.fault().or_else(|| broken.then(|| format!("is no JSON: {}", end.told)));
             faults.extend(fault.map(|fault| format!("{} of {what}: {fault}", command[0])));
         }
     }

@@ -36,6 +36,8 @@ fn some_of<T>(all: Vec<T>, n: usize) -> Vec<T> {
 struct Ended {
     /// The exit code; none where a signal ended it.
     code: Option<i32>,
+    /// What it wrote to standard output.
+    told: String,
     /// What it wrote to standard output and standard error.
     said: String,
     took: Duration,
@@ -67,15 +69,18 @@ fn program() -> Command {
 
 /// Runs a command to its end, or kills it and fails at the limit.
 fn ended(command: &mut Command) -> Ended {
-    let talk = tempfile::NamedTempFile::new().unwrap();
-    let out = talk.reopen().unwrap();
-    command.stdout(out.try_clone().unwrap()).stderr(out);
+    let (out, err) = (tempfile::NamedTempFile::new().unwrap(), tempfile::NamedTempFile::new().unwrap());
+    command.stdout(out.reopen().unwrap()).stderr(err.reopen().unwrap());
     let start = Instant::now();
     let mut child = command.spawn().unwrap();
     let status = wait(&mut child, LIMIT);
-    let said = String::from_utf8_lossy(&std::fs::read(talk.path()).unwrap()).into_owned();
+    let read = |file: &tempfile::NamedTempFile| {
+        String::from_utf8_lossy(&std::fs::read(file.path()).unwrap()).into_owned()
+    };
+    let told = read(&out);
+    let said = read(&err) + &told;
     let status = status.unwrap_or_else(|| panic!("{command:?} was not done after {LIMIT:?}: {said}"));
-    Ended { code: status.code(), said, took: start.elapsed() }
+    Ended { code: status.code(), told, said, took: start.elapsed() }
 }
 
 /// Waits for a child; kills it at the limit and gives nothing.
