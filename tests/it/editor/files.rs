@@ -61,6 +61,64 @@ fn a_system_without_dialogs_has_the_path_typed() {
     assert!(std::fs::read(&other).unwrap() == window.graph().to_bytes());
 }
 
+/// The extension is added before the question whether a file is replaced, whoever asked for the path.
+#[test]
+fn a_name_without_extension_does_not_replace_a_graph_unasked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = preset(folder.path());
+    let other = folder.path().join("other.graph");
+    std::fs::write(&other, "somebody's").unwrap();
+    let typed = folder.path().join("other");
+    for by_system in [true, false] {
+        let answer = typed.clone();
+        let asker =
+            Box::new(
+                move |_, _: Option<&Path>, _: &_| {
+                    if by_system { Answer::known(Some(answer.clone())) } else { Answer::no_dialogs() }
+                },
+            );
+        let mut window =
+            Window::of(Setup { path: Some(path.clone()), home: None, asker, ..Setup::default() });
+        window.keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+        window.steps(3);
+        if !by_system {
+            window.keys(Modifiers::COMMAND, Key::A);
+            window.text(typed.to_str().unwrap());
+            window.key(Key::Enter);
+            window.steps(3);
+        }
+        assert_eq!(std::fs::read(&other).unwrap(), b"somebody's");
+        assert!(window.sees("There is a file of this name."));
+        window.click("Cancel");
+    }
+    let new = folder.path().join("my.v2");
+    let asker = Box::new(move |_, _: Option<&Path>, _: &_| Answer::known(Some(new.clone())));
+    let mut window = Window::of(Setup { path: Some(path), home: None, asker, ..Setup::default() });
+    window.keys(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    window.steps(3);
+    assert!(folder.path().join("my.v2.graph").exists());
+}
+
+/// Saving at once after another program has written, before the editor has looked at the file.
+#[test]
+fn saving_does_not_replace_what_others_wrote() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = preset(folder.path());
+    let mut window = Window::of(Setup { path: Some(path.clone()), home: None, ..Setup::default() });
+    window.add(ground(20.0, 30.0), "blur");
+    let mut other = Graph::new();
+    other.add("second", "constant").unwrap();
+    other.save(&path).unwrap();
+    window.keys(Modifiers::COMMAND, Key::S);
+    window.steps(3);
+    assert_eq!(std::fs::read(&path).unwrap(), other.to_bytes());
+    assert!(window.sees("The file has changed"));
+    window.click("Keep mine");
+    window.keys(Modifiers::COMMAND, Key::S);
+    window.steps(3);
+    assert_eq!(std::fs::read(&path).unwrap(), window.graph().to_bytes());
+}
+
 #[test]
 fn opening_a_graph_writes_nothing_beside_it() {
     let folder = tempfile::tempdir().unwrap();
