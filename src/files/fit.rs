@@ -99,7 +99,7 @@ mod tests {
     fn what_divides_nothing_is_cropped_by_less_than_a_cell() {
         for (cols, rows, cell) in [
             (32, 24, [57.24, 92.72]),
-            (1201, 1201, [65.3, 92.7]),
+            (1201, 1201, [65.37, 92.71]),
             (1009, 2003, [7.1, 3.3]),
             (17, 1013, [1.0, 1.7]),
         ] {

@@ -165,7 +165,7 @@ fn other_versions_share_the_room() {
     std::fs::File::options().append(true).open(&other).unwrap().set_modified(time).unwrap();
     let mine = folder.path().join("notes.txt");
     std::fs::write(&mine, vec![0; 100_000]).unwrap();
-    let e = engine(folder.path(), 150_000);
+    let e = engine(folder.path(), 110_000);
     assert!(other.exists());
     run(&e, &hills(1));
     assert!(!other.exists() && mine.exists());

@@ -4,6 +4,7 @@
 
 mod budgets;
 mod cache;
+mod chance;
 mod cli;
 mod curves;
 mod diffusion;
