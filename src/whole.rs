@@ -183,8 +183,7 @@ fn put<T, E: From<io::Error>>(
     write: impl FnOnce(&mut File) -> Result<T, E>,
 ) -> Result<T, E> {
     let separates = |b: &u8| matches!(b, b'/' | b'\\' | b'\0');
-    if name.is_empty() || name == "." || name == ".." || name.as_encoded_bytes().iter().any(|b| separates(b))
-    {
+    if name.is_empty() || name == "." || name == ".." || name.as_encoded_bytes().iter().any(separates) {
         return Err(no_name().into());
     }
     let old = replaced(dir, name)?;

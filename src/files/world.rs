@@ -53,7 +53,7 @@ fn affine(text: &str) -> Option<Affine> {
     affine.is_sound().then_some(affine)
 }
 
-/// The `.prj` of ArcInfo: a word and its value in each line.
+/// The `.prj` of `ArcInfo`: a word and its value in each line.
 fn old(text: &str) -> Option<System> {
     let value = |key: &str| {
         let mut lines = text.lines().map(|l| l.split_ascii_whitespace().collect::<Vec<_>>());

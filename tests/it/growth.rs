@@ -61,8 +61,11 @@ fn work_that_grows_with_the_square_is_found() {
     assert_eq!(fault("a line", |n| (0..n * 100_000).map(|i: usize| i ^ 5).fold(0, |a, b| a ^ b)), None);
 }
 
+/// Makes a text of so many parts.
+type Text = Box<dyn Fn(usize) -> String + Sync>;
+
 /// Files of a shape and the size in which a reader takes a few milliseconds.
-fn texts() -> Vec<(&'static str, Box<dyn Fn(usize) -> String + Sync>)> {
+fn texts() -> Vec<(&'static str, Text)> {
     fn picture(body: &str) -> String {
         format!("<svg viewBox='0 0 100 100'>{body}</svg>")
     }

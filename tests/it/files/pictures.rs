@@ -45,13 +45,9 @@ fn shows(name: &str, bytes: &[u8], tolerance: f32) {
     let claim = PictureClaim::of(name, &mut Cursor::new(bytes), &Limits::default()).unwrap();
     assert_eq!((claim.cols, claim.rows), (COLS as u64, ROWS as u64), "{name}");
     for (k, (color, _)) in pixels(&picture, Channel::Auto).iter().enumerate() {
-        for c in 0..3 {
-            let want = f32::from(shown(k)[c]);
-            assert!(
-                (color[c] - want).abs() <= tolerance,
-                "{name}: {k}, channel {c}: {}, not {want}",
-                color[c]
-            );
+        for (found, want) in color.iter().zip(shown(k)) {
+            let want = f32::from(want);
+            assert!((found - want).abs() <= tolerance, "{name}: {k}: {found}, not {want}");
         }
     }
 }
@@ -135,7 +131,7 @@ fn psd(version: u16, mode: u16, depth: u16, planes: &[Vec<u8>], compression: u16
     out
 }
 
-/// A row as PackBits: one run of its first byte as far as it goes, then copies.
+/// A row as `PackBits`: one run of its first byte as far as it goes, then copies.
 fn packed(row: &[u8]) -> Vec<u8> {
     let run = row.iter().take_while(|b| **b == row[0]).count().min(128);
     let mut out = vec![(1 - run as i16) as i8 as u8, row[0]];

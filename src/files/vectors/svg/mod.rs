@@ -343,8 +343,8 @@ fn unreadable(message: String) -> Fault {
 /// A property of presentation, from the element's style or its attribute.
 fn style<'a>(node: &Node<'a>, name: &str) -> Option<&'a str> {
     let styles = node.attribute("style").into_iter().flat_map(|style| style.split(';'));
-    let pairs = styles.filter_map(|pair| pair.split_once(':'));
-    let of_style = pairs.filter(|(key, _)| key.trim() == name).last().map(|(_, value)| value);
+    let mut pairs = styles.filter_map(|pair| pair.split_once(':'));
+    let of_style = pairs.rfind(|(key, _)| key.trim() == name).map(|(_, value)| value);
     of_style.or(node.attribute(name)).map(|value| value.trim().trim_end_matches("!important").trim_end())
 }
 
