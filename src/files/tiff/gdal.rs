@@ -1,5 +1,11 @@
 //! What GDAL writes beside a picture: scale, offset and unit of its bands, and what marks a void.
 
+use std::borrow::Cow;
+
+use quick_xml::escape::resolve_xml_entity;
+use quick_xml::events::{BytesRef, BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
+
 use super::super::error::Fault;
 use super::ifd::Directory;
 use super::tag;
@@ -27,17 +33,32 @@ impl Metadata {
         Ok(xml.and_then(|xml| Self::parse(&xml)).unwrap_or_default())
     }
 
+    /// Nothing where the text is no XML.
     fn parse(xml: &str) -> Option<Self> {
-        let document = roxmltree::Document::parse(xml).ok()?;
-        let items = document.descendants().filter(|n| n.has_tag_name("Item"));
-        let items = items.filter_map(|n| {
-            Some(Item {
-                band: n.attribute("sample").and_then(|s| s.trim().parse().ok()),
-                role: n.attribute("role").or(n.attribute("name"))?.to_ascii_lowercase(),
-                text: n.text().unwrap_or_default().trim().to_owned(),
-            })
-        });
-        Some(Self { items: items.collect() })
+        let mut reader = Reader::from_str(xml);
+        let (mut items, mut open) = (Vec::new(), None::<Item>);
+        loop {
+            let text = match reader.read_event().ok()? {
+                Event::Start(tag) if tag.name().as_ref() == b"Item" => {
+                    open = Item::of(&tag);
+                    continue;
+                }
+                Event::End(tag) if tag.name().as_ref() == b"Item" => {
+                    items.extend(open.take());
+                    continue;
+                }
+                Event::Text(text) => text.decode().ok()?.into_owned(),
+                Event::CData(text) => text.decode().ok()?.into_owned(),
+                Event::GeneralRef(name) => character(&name)?,
+                Event::Eof => break,
+                _ => continue,
+            };
+            if let Some(item) = &mut open {
+                item.text += &text;
+            }
+        }
+        items.iter_mut().for_each(|item| item.text = item.text.trim().to_owned());
+        Some(Self { items })
     }
 
     /// What stands of a band under a role; what stands of no band is said of all.
@@ -55,6 +76,29 @@ impl Metadata {
     /// The word for the unit of a band.
     pub(super) fn unit(&self, band: usize) -> Option<&str> {
         self.item(band, "unittype").filter(|unit| !unit.is_empty())
+    }
+}
+
+impl Item {
+    /// The item that an element begins; its text is empty yet.
+    fn of(tag: &BytesStart<'_>) -> Option<Self> {
+        let attribute = |name: &str| {
+            let attribute = tag.try_get_attribute(name).ok().flatten()?;
+            attribute.normalized_value(XmlVersion::Implicit1_0).ok().map(Cow::into_owned)
+        };
+        Some(Self {
+            band: attribute("sample").and_then(|s| s.trim().parse().ok()),
+            role: attribute("role").or_else(|| attribute("name"))?.to_ascii_lowercase(),
+            text: String::new(),
+        })
+    }
+}
+
+/// What a reference such as `&amp;` or `&#176;` stands for.
+fn character(name: &BytesRef<'_>) -> Option<String> {
+    match name.resolve_char_ref().ok()? {
+        Some(character) => Some(character.into()),
+        None => resolve_xml_entity(&name.decode().ok()?).map(str::to_owned),
     }
 }
 
@@ -83,6 +127,10 @@ mod tests {
         assert_eq!((metadata.unit(0), metadata.unit(1)), (Some("US survey foot"), None));
         assert_eq!((metadata.scaling(0), metadata.scaling(1)), ((1.0, -5.5), (2.0, 0.0)));
         assert!(Metadata::parse("<GDALMetadata><Item").is_none());
+        let told = Metadata::parse(
+            "<a><Item name='UNITTYPE' role='unittype'> m&amp;<![CDATA[<s>]]>&#176; </Item></a>",
+        );
+        assert_eq!(told.expect("parses").unit(0), Some("m&<s>\u{b0}"));
     }
 
     #[test]

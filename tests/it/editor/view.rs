@@ -82,6 +82,28 @@ fn more_memory_than_the_budget_is_asked_for() {
 }
 
 #[test]
+fn large_files_are_read_only_when_that_was_agreed_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let side = 8300_u64;
+    std::fs::File::create(folder.path().join("large.r32")).unwrap().set_len(4 * side * side).unwrap();
+    let graph = serde_json::json!({
+        "orograph": 1,
+        "terrain": { "width": 1000, "depth": 1000, "base": 65 },
+        "nodes": { "dem": { "kind": "import_height", "set": { "file": "large.r32" } } },
+        "outputs": { "height": { "from": "dem.height" } },
+    });
+    let path = folder.path().join("large.graph");
+    std::fs::write(&path, graph.to_string()).unwrap();
+    let mut window = Window::on(&path);
+    window.settle();
+    assert!(window.editor().shown_range().is_none());
+    assert!(window.sees("and read 262.8 MiB of files"));
+    window.click("Evaluate");
+    window.settle();
+    assert_eq!(window.editor().shown_range(), Some((0.0, 0.0)));
+}
+
+#[test]
 fn what_was_shown_stays_when_nothing_is_chosen() {
     let mut window = Window::empty();
     window.add(ground(20.0, 30.0), "fractal");
