@@ -64,6 +64,9 @@ impl<'a> Collector<'a> {
     /// When there are too many curves.
     pub(super) fn finish(self, mut warnings: Vec<String>) -> Result<Imported, CurveError> {
         too_many("curves", MAX_CURVES, self.found)?;
+        if self.found == 0 && self.tally.is_empty() {
+            warnings.push("the file has no line that becomes a curve".to_owned());
+        }
         warnings.extend(self.tally.sentences());
         Ok(Imported { curves: Curves::new(self.curves)?, warnings })
     }

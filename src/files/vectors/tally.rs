@@ -27,6 +27,10 @@ pub(super) enum Notice {
     Use,
     /// An entity is not defined in the file.
     Entity,
+    /// An entity stands for elements.
+    Markup,
+    /// A style would say what is drawn, and is not read.
+    Style,
     /// It lies wholly off the terrain.
     Off,
 }
@@ -56,6 +60,10 @@ impl Notice {
             Self::Malformed => ["malformed feature", "malformed features", "left out"],
             Self::Use => ["`use` that draws nothing", "`use` that draw nothing", "left out"],
             Self::Entity => ["undefined entity", "undefined entities", "left out"],
+            Self::Markup => {
+                ["entity that stands for elements", "entities that stand for elements", "left out"]
+            }
+            Self::Style => ["style that is not read", "styles that are not read", "left out"],
             Self::Off => {
                 ["line wholly off the terrain", "lines wholly off the terrain", "taken all the same"]
             }
@@ -71,6 +79,11 @@ impl Tally {
     /// Takes up a notice; `place` is asked for the first of a kind alone.
     pub(super) fn add(&mut self, notice: Notice, place: impl FnOnce() -> String) {
         self.0.entry(notice).or_insert_with(|| (0, place())).0 += 1;
+    }
+
+    /// Whether nothing was noticed.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// The sentences.

@@ -184,6 +184,17 @@ fn what_is_no_geojson_is_refused() {
         (r#"{"type":"FeatureCollection"}"#, "a FeatureCollection must have a list `features`"),
         (r#"{"type":"FeatureCollection","features":{}}"#, "a FeatureCollection must have a list `features`"),
         (r#"{"type":"FeatureCollection","features":[]} x"#, "is not JSON: trailing characters"),
+        (
+            "{\"type\":\"Feature\"}\n{\"type\":\"Feature\"}\n",
+            "is a sequence of JSON texts (RFC 8142, or one a line)",
+        ),
+        ("\u{1e}{\"type\":\"Feature\"}\n", "is a sequence of JSON texts (RFC 8142, or one a line)"),
+        (r#"{"type":"Topology","objects":{}}"#, "is TopoJSON, which is another format"),
+        (
+            r#"{"geometryType":"esriGeometryPolyline","features":[]}"#,
+            "is JSON of Esri, which is another format",
+        ),
+        (r#"{"type":"Line"}"#, "must be FeatureCollection, Feature or a geometry, got \"Line\""),
     ] {
         let error = read(text).expect_err(text).to_string();
         assert!(error.contains(message), "{text}: {error}");
@@ -212,8 +223,8 @@ fn a_file_says_where_it_lies() {
     for (name, message) in [
         ("urn:ogc:def:crs:EPSG::25832", "the file is in EPSG:25832, the terrain in EPSG:32611; reproject it"),
         ("EPSG:3857", "the file is in EPSG:3857, the terrain in EPSG:32611"),
-        ("urn:ogc:def:crs:OGC:1.3:CRS84", "its coordinates are degrees"),
-        ("EPSG:4326", "its coordinates are degrees"),
+        ("urn:ogc:def:crs:OGC:1.3:CRS84", "the coordinates of the file are degrees"),
+        ("EPSG:4326", "the coordinates of the file are degrees"),
     ] {
         let error = of(&named(name), metres, &on_earth).expect_err(name).to_string();
         assert!(error.contains(message), "{name}: {error}");
@@ -243,4 +254,93 @@ fn a_file_says_where_it_lies() {
     let got = of("", [-117.0, 34.0], &on_earth).expect("curves");
     assert_eq!(got.warnings.len(), 2, "{:?}", got.warnings);
     assert!(got.warnings[1].contains("1 line wholly off the terrain"), "{:?}", got.warnings);
+}
+
+/// `crs` may stand on every object, and the `coordRefSys` of JSON-FG says the same.
+#[test]
+fn every_object_says_where_it_lies() {
+    let on_earth = Place { origin: [380_000.0, 3_800_000.0], epsg: Some(32611), ..place() };
+    let line = r#""type":"LineString","coordinates":[[380200,3799800],[380260,3799800]]"#;
+    let crs = |epsg: u32| format!(r#""crs":{{"type":"name","properties":{{"name":"EPSG:{epsg}"}}}}"#);
+    let url = |epsg: u32| format!(r#""coordRefSys":"http://www.opengis.net/def/crs/EPSG/0/{epsg}""#);
+    let href = |epsg: u32| format!(r#""coordRefSys":{{"type":"Reference","href":"[EPSG:{epsg}]"}}"#);
+    let list = |epsg: u32| format!(r#""coordRefSys":["[EPSG:{epsg}]","[EPSG:5773]"]"#);
+    let forms: [&dyn Fn(u32) -> String; 4] = [&crs, &url, &href, &list];
+    let on_feature = |said: &str| {
+        collection(&format!(r#"{{"type":"Feature",{said},"properties":{{}},"geometry":{{{line}}}}}"#))
+    };
+    let on_geometry =
+        |said: &str| format!(r#"{{"type":"Feature","properties":{{}},"geometry":{{{line},{said}}}}}"#);
+    let on_part = |said: &str| format!(r#"{{"type":"GeometryCollection","geometries":[{{{said},{line}}}]}}"#);
+    for form in forms {
+        for (what, text) in [
+            ("feature 0", &on_feature as &dyn Fn(&str) -> String),
+            ("the feature", &on_geometry),
+            ("the geometry, geometry 0", &on_part),
+        ] {
+            let got = json(&text(&form(32611)), &on_earth, &plain()).expect(what);
+            assert_eq!(
+                (corners(&got), got.warnings.len()),
+                (vec![vec![[200, 200], [260, 200]]], 0),
+                "{what}"
+            );
+            for (epsg, message) in [
+                (25832, format!("{what} is in EPSG:25832, the terrain in EPSG:32611; reproject it")),
+                (4326, format!("the coordinates of {what} are degrees")),
+            ] {
+                let error = json(&text(&form(epsg)), &on_earth, &plain()).expect_err(what).to_string();
+                assert!(error.contains(&message), "{what}: {error}");
+            }
+            let mine = form(7).replace("EPSG", "MINE");
+            let got = json(&text(&mine), &on_earth, &plain()).expect(what);
+            assert!(
+                got.warnings.len() == 1 && got.warnings[0].contains("is not known"),
+                "{:?}",
+                got.warnings
+            );
+        }
+    }
+}
+
+#[test]
+fn coordinates_in_feet_become_metres() {
+    let line = r#"{"type":"LineString","coordinates":[[1000,-1000],[2000,-1000]]}"#;
+    let feature = format!(r#"{{"type":"Feature","properties":{{}},"geometry":{line}}}"#);
+    let crs = r#""crs":{"type":"name","properties":{"name":"EPSG:2263"}}"#;
+    // Wherever the member stands.
+    for text in [
+        format!(r#"{{"type":"FeatureCollection",{crs},"features":[{feature}]}}"#),
+        format!(r#"{{"type":"FeatureCollection","features":[{feature}],{crs}}}"#),
+        feature.replacen("\"Feature\",", &format!("\"Feature\",{crs},"), 1),
+    ] {
+        let got = json(&text, &place(), &plain()).expect(&text);
+        assert_eq!(corners(&got), [[[305, 305], [610, 305]]], "{text}");
+        assert!(
+            got.warnings.len() == 1 && got.warnings[0].contains("a unit being 0.3048"),
+            "{:?}",
+            got.warnings
+        );
+    }
+}
+
+/// JSON-FG keeps the geometry in degrees for others, and its own in `place`.
+#[test]
+fn the_place_of_json_fg_counts_before_the_geometry() {
+    let text = r#"{"type":"Feature","coordRefSys":"[EPSG:32611]","properties":{},
+        "geometry":{"type":"LineString","coordinates":[[-117,34],[-116,34]]},
+        "place":{"type":"LineString","coordinates":[[380200,3799800],[380260,3799800]]}}"#;
+    let on_earth = Place { origin: [380_000.0, 3_800_000.0], epsg: Some(32611), ..place() };
+    let got = json(text, &on_earth, &plain()).expect("curves");
+    assert_eq!((corners(&got), got.warnings.len()), (vec![vec![[200, 200], [260, 200]]], 0));
+}
+
+#[test]
+fn a_file_without_lines_is_told_of() {
+    for text in [
+        collection(""),
+        collection(r#"{"type":"Feature","geometry":{"type":"GeometryCollection","geometries":[]}}"#),
+    ] {
+        let got = json(&text, &place(), &plain()).expect("no fault");
+        assert_eq!(got.warnings, ["the file has no line that becomes a curve"], "{text}");
+    }
 }

@@ -11,6 +11,7 @@ use std::marker::PhantomData;
 
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
+use super::crs::Said;
 use crate::files::vectors::{MAX_POSITIONS, Watch, short, too_many};
 use crate::value::curves::CurveError;
 
@@ -90,12 +91,16 @@ pub(super) struct Geometry {
     pub(super) kind: Option<Item>,
     pub(super) coordinates: Option<Item>,
     pub(super) geometries: Option<Vec<Member<Self>>>,
+    pub(super) lies: Said,
 }
 
 /// A feature as the file has it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Feature {
     pub(super) geometry: Option<Member<Geometry>>,
+    /// The geometry of JSON-FG, which is the one in the file's own system.
+    pub(super) place: Option<Member<Geometry>>,
+    pub(super) lies: Said,
     /// Those that somebody asks for.
     pub(super) properties: BTreeMap<String, Item>,
     pub(super) id: Option<Item>,
@@ -293,7 +298,7 @@ impl Object for Geometry {
             "type" => self.kind = Some(object.next_value_seed(Any(AnItem(desk)))?),
             "coordinates" => self.coordinates = Some(object.next_value_seed(Any(AnItem(desk)))?),
             "geometries" => self.geometries = object.next_value_seed(Any(Geometries(desk)))?,
-            _ => drop(object.next_value::<IgnoredAny>()?),
+            _ => self.lies.member(desk, key, object)?,
         }
         Ok(())
     }
@@ -308,12 +313,13 @@ impl Object for Feature {
     ) -> Result<(), A::Error> {
         match key {
             "geometry" => self.geometry = Some(object.next_value_seed(An::of(desk))?),
+            "place" => self.place = Some(object.next_value_seed(An::of(desk))?),
             "id" => self.id = Some(object.next_value_seed(Any(AnItem(desk)))?),
             "properties" => match object.next_value_seed(An::<Properties>::of(desk))? {
                 Member::Here(Properties(asked)) => self.properties = asked,
                 Member::Other(_) => self.properties.clear(),
             },
-            _ => drop(object.next_value::<IgnoredAny>()?),
+            _ => self.lies.member(desk, key, object)?,
         }
         Ok(())
     }

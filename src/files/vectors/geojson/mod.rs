@@ -3,11 +3,9 @@
 mod crs;
 mod item;
 
-use std::marker::PhantomData;
-
 use serde::de::{DeserializeSeed as _, IgnoredAny, MapAccess, SeqAccess};
 
-use self::crs::{Crs, System};
+use self::crs::{Ground, Said};
 use self::item::{An, AnItem, Any, Desk, Feature, Geometry, Item, Member, Object as _, State, Take};
 use super::collect::Collector;
 use super::mapping::Line;
@@ -42,7 +40,8 @@ impl Place {
     }
 }
 
-/// The curves of all lines of a file whose coordinates are metres to the east and north, with the constraints that a
+/// The curves of all lines of a file whose coordinates are lengths to the east and north, metres unless its coordinate
+/// system has another unit, with the constraints that a
 /// mapping makes of their properties. The rings of polygons are lines, too; points are left out and counted.
 ///
 /// # Errors
@@ -61,17 +60,50 @@ pub fn read(
     let watch = Watch::new(go_on, text.len() / 4);
     watch.at(0)?;
     let desk = Desk { watch, asked, state: std::cell::RefCell::new(State::default()) };
+    let (ground, warning) = ground(&text, &desk, place)?;
     let collector = Collector::new(mapping, place.onto, MAX_POSITIONS);
-    let mut reader = Reader { place, collector, degrees: true, lines: 0 };
+    let mut reader = Reader { place, ground, collector, own: None, degrees: true, lines: 0 };
     let mut from = serde_json::Deserializer::from_str(&text);
     let whole = Any(Whole { desk: &desk, reader: &mut reader }).deserialize(&mut from);
     let whole = whole.and_then(|whole| from.end().map(|()| whole));
     if let Some(stopped) = desk.state.take().stopped {
         return Err(stopped);
     }
-    let whole = whole.map_err(|e| CurveError::file("GeoJSON", format!("is not JSON: {e}")))?;
-    reader.finish(whole)
+    let whole = whole.map_err(|e| CurveError::file("GeoJSON", not_json(&text, &e)))?;
+    reader.finish(whole, warning)
 }
+
+/// Where the whole file lies, and what a person should know of that. It is looked for before the lines are read, since
+/// it may stand after them.
+fn ground(text: &str, desk: &Desk<'_>, place: &Place) -> Result<(Ground, Option<String>), CurveError> {
+    if !Said::MEMBERS.iter().any(|member| text.contains(&format!("\"{member}\""))) {
+        return Ok((Ground::UNSAID, None));
+    }
+    let said = An::<Said>::of(desk).deserialize(&mut serde_json::Deserializer::from_str(text));
+    if let Some(stopped) = desk.state.take().stopped {
+        return Err(stopped);
+    }
+    // What is no JSON is told of when the lines are read.
+    let Ok(Member::Here(said)) = said else { return Ok((Ground::UNSAID, None)) };
+    let Some(system) = said.system() else { return Ok((Ground::UNSAID, None)) };
+    system.on("the file", place.epsg).map_err(|message| CurveError::file("GeoJSON", message))
+}
+
+/// What is wrong with a text that is not JSON.
+fn not_json(text: &str, error: &serde_json::Error) -> String {
+    let line = text.as_bytes().split(|b| *b == b'\n').nth(error.line().saturating_sub(1));
+    let found = line.and_then(|line| line.get(error.column().saturating_sub(1)));
+    let follows = error.to_string().starts_with("trailing characters") && found == Some(&b'{');
+    if follows || text.trim_start().starts_with(RECORD) {
+        let message = "is a sequence of JSON texts (RFC 8142, or one a line), which is another format; put its features \
+                       into one FeatureCollection";
+        return message.to_owned();
+    }
+    format!("is not JSON: {error}")
+}
+
+/// What begins each text of a sequence.
+const RECORD: char = '\u{1e}';
 
 /// The outermost object without its features, which are read as they come.
 #[derive(Default)]
@@ -79,8 +111,9 @@ struct Outer {
     kind: Option<Item>,
     geometry: Geometry,
     feature: Feature,
-    crs: Option<Member<Crs>>,
     has_features: bool,
+    /// Whether it has a member that only Esri's own JSON has.
+    is_esri: bool,
 }
 
 /// Reads the outermost object.
@@ -109,11 +142,15 @@ impl<'de> Take<'de> for Whole<'_, '_, '_> {
                     let all = Any(Features { desk, reader: &mut *self.reader });
                     outer.has_features = object.next_value_seed(all)?;
                 }
-                "crs" => outer.crs = Some(object.next_value_seed(Any(An(desk, PhantomData)))?),
                 "type" => outer.kind = Some(object.next_value_seed(Any(AnItem(desk)))?),
                 "coordinates" | "geometries" => outer.geometry.member(desk, &key, &mut object)?,
-                "geometry" | "properties" | "id" => outer.feature.member(desk, &key, &mut object)?,
-                _ => drop(object.next_value::<IgnoredAny>()?),
+                "geometry" | "place" | "properties" | "id" => {
+                    outer.feature.member(desk, &key, &mut object)?;
+                }
+                _ => {
+                    outer.is_esri |= matches!(&*key, "geometryType" | "spatialReference");
+                    object.next_value::<IgnoredAny>()?;
+                }
             }
         }
         Ok(outer)
@@ -151,7 +188,11 @@ impl<'de> Take<'de> for Features<'_, '_, '_> {
 
 struct Reader<'a> {
     place: &'a Place,
+    /// Where the whole file lies.
+    ground: Ground,
     collector: Collector<'a>,
+    /// What is to be known of the first object that lies apart from the file.
+    own: Option<String>,
     /// Whether every position so far could be longitude and latitude.
     degrees: bool,
     /// Lines with positions.
@@ -160,6 +201,15 @@ struct Reader<'a> {
 
 /// What something is called in messages.
 type Called<'a> = &'a dyn Fn() -> String;
+
+/// What the lines of a geometry have in common.
+#[derive(Clone, Copy)]
+struct Common<'a> {
+    feature: &'a Feature,
+    ground: Ground,
+    /// Whether they close.
+    ring: bool,
+}
 
 impl Reader<'_> {
     fn feature(&mut self, feature: &Member<Feature>, called: Called<'_>) -> Result<(), CurveError> {
@@ -171,8 +221,11 @@ impl Reader<'_> {
                 return Ok(());
             }
         };
-        match &feature.geometry {
-            Some(Member::Here(geometry)) => self.geometry(geometry, feature, called),
+        let ground = self.ground_of(&feature.lies, self.ground, called)?;
+        let common = Common { feature, ground, ring: false };
+        let place = feature.place.as_ref().filter(|place| matches!(place, Member::Here(_)));
+        match place.or(feature.geometry.as_ref()) {
+            Some(Member::Here(geometry)) => self.geometry(geometry, common, called),
             Some(Member::Other(Item::Null)) | None => {
                 self.collector.tally.add(Notice::NoGeometry, called);
                 Ok(())
@@ -184,6 +237,15 @@ impl Reader<'_> {
         }
     }
 
+    /// Where an object lies that stands in another.
+    fn ground_of(&mut self, lies: &Said, outer: Ground, called: Called<'_>) -> Result<Ground, CurveError> {
+        let Some(system) = lies.system() else { return Ok(outer) };
+        let on = system.on(&called(), self.place.epsg);
+        let (ground, warning) = on.map_err(|message| CurveError::file("GeoJSON", message))?;
+        self.own = self.own.take().or(warning);
+        Ok(ground)
+    }
+
     fn malformed(&mut self, called: Called<'_>, message: &str) {
         self.collector.tally.add(Notice::Malformed, || format!("{}: {message}", called()));
     }
@@ -191,16 +253,18 @@ impl Reader<'_> {
     fn geometry(
         &mut self,
         geometry: &Geometry,
-        feature: &Feature,
+        common: Common<'_>,
         called: Called<'_>,
     ) -> Result<(), CurveError> {
+        let ground = self.ground_of(&geometry.lies, common.ground, called)?;
+        let common = Common { ground, ..common };
         let kind = geometry.kind.as_ref().and_then(Item::text);
         // How deep the lines stand in lists.
         let depth = match kind {
             Some("LineString") => 0,
             Some("MultiLineString" | "Polygon") => 1,
             Some("MultiPolygon") => 2,
-            Some("GeometryCollection") => return self.collection(geometry, feature, called),
+            Some("GeometryCollection") => return self.collection(geometry, common, called),
             Some(kind) => {
                 let what = || format!("{}, a {}", called(), short(kind));
                 self.collector.tally.add(Notice::NoLine, what);
@@ -213,7 +277,7 @@ impl Reader<'_> {
         };
         let ring = matches!(kind, Some("Polygon" | "MultiPolygon"));
         match &geometry.coordinates {
-            Some(coordinates) => self.lines(coordinates, depth, ring, feature, called),
+            Some(coordinates) => self.lines(coordinates, depth, Common { ring, ..common }, called),
             None => {
                 self.malformed(called, "must have a list `coordinates`");
                 Ok(())
@@ -224,7 +288,7 @@ impl Reader<'_> {
     fn collection(
         &mut self,
         geometry: &Geometry,
-        feature: &Feature,
+        common: Common<'_>,
         called: Called<'_>,
     ) -> Result<(), CurveError> {
         let Some(parts) = &geometry.geometries else {
@@ -234,7 +298,7 @@ impl Reader<'_> {
         for (i, part) in parts.iter().enumerate() {
             let called = || format!("{}, geometry {i}", called());
             match part {
-                Member::Here(part) => self.geometry(part, feature, &called)?,
+                Member::Here(part) => self.geometry(part, common, &called)?,
                 Member::Other(item) => self.malformed(&called, &format!("must be an object, got {item}")),
             }
         }
@@ -246,8 +310,7 @@ impl Reader<'_> {
         &mut self,
         coordinates: &Item,
         depth: usize,
-        ring: bool,
-        feature: &Feature,
+        common: Common<'_>,
         called: Called<'_>,
     ) -> Result<(), CurveError> {
         let Some(items) = coordinates.list() else {
@@ -255,25 +318,20 @@ impl Reader<'_> {
             return Ok(());
         };
         if depth == 0 {
-            return self.line(items, ring, feature, called);
+            return self.line(items, common, called);
         }
         for (i, item) in items.iter().enumerate() {
             let called = || format!("{}, line {i}", called());
-            self.lines(item, depth - 1, ring, feature, &called)?;
+            self.lines(item, depth - 1, common, &called)?;
         }
         Ok(())
     }
 
-    fn line(
-        &mut self,
-        positions: &[Item],
-        ring: bool,
-        feature: &Feature,
-        called: Called<'_>,
-    ) -> Result<(), CurveError> {
+    fn line(&mut self, positions: &[Item], common: Common<'_>, called: Called<'_>) -> Result<(), CurveError> {
+        let feature = common.feature;
         self.collector.count(positions.len() + 1)?;
         self.lines += usize::from(!positions.is_empty());
-        let (points, heights) = match self.points(positions, ring) {
+        let (points, heights) = match self.points(positions, common) {
             Ok(all) => all,
             Err(message) => {
                 self.malformed(called, &message);
@@ -311,14 +369,19 @@ impl Reader<'_> {
 
     /// Where the positions lie on the terrain, and their heights; those that repeat the one before, or are nearer to it
     /// than the spacing, are left out.
-    fn points(&mut self, positions: &[Item], ring: bool) -> Result<(Vec<Point>, Vec<Option<f64>>), String> {
+    fn points(
+        &mut self,
+        positions: &[Item],
+        common: Common<'_>,
+    ) -> Result<(Vec<Point>, Vec<Option<f64>>), String> {
         let (mut points, mut heights): (Vec<Point>, Vec<Option<f64>>) = (Vec::new(), Vec::new());
         let Place { origin, onto, spacing, .. } = *self.place;
         for (i, position) in positions.iter().enumerate() {
             let Some(([east, north], height)) = position.position() else {
                 return Err(format!("position {i} must be a list [east, north] of numbers, got {position}"));
             };
-            self.degrees &= east.abs() <= 180.0 && north.abs() <= 90.0;
+            self.degrees &= !common.ground.is_said && east.abs() <= 180.0 && north.abs() <= 90.0;
+            let [east, north] = [east, north].map(|x| x * common.ground.metres);
             let point = [onto.min[0] + (east - origin[0]), onto.min[1] - (north - origin[1])];
             let last = i + 1 == positions.len();
             let near = |p: &Point| {
@@ -331,7 +394,7 @@ impl Reader<'_> {
             }
         }
         // A ring whose end is not written closes all the same.
-        if let (true, [first, .., last]) = (ring, points.as_slice())
+        if let (true, [first, .., last]) = (common.ring, points.as_slice())
             && first != last
         {
             points.push(*first);
@@ -340,59 +403,44 @@ impl Reader<'_> {
         Ok((points, heights))
     }
 
-    fn finish(mut self, whole: Outer) -> Result<Imported, CurveError> {
-        let Outer { kind, mut geometry, feature, crs, has_features } = whole;
+    fn finish(mut self, whole: Outer, warning: Option<String>) -> Result<Imported, CurveError> {
+        let Outer { kind, mut geometry, feature, has_features, is_esri } = whole;
+        let refuse = |message: &str| Err(CurveError::file("GeoJSON", message));
         match kind.as_ref().and_then(Item::text) {
             Some("FeatureCollection") if has_features => (),
-            Some("FeatureCollection") => {
-                return Err(CurveError::file("GeoJSON", "a FeatureCollection must have a list `features`"));
-            }
+            Some("FeatureCollection") => return refuse("a FeatureCollection must have a list `features`"),
             Some("Feature") => self.feature(&Member::Here(feature), &|| "the feature".to_owned())?,
-            Some(_) => {
+            Some(name) if GEOMETRIES.contains(&name) => {
                 geometry.kind = kind;
-                self.geometry(&geometry, &Feature::default(), &|| "the geometry".to_owned())?;
+                let common = Common { feature: &Feature::default(), ground: self.ground, ring: false };
+                self.geometry(&geometry, common, &|| "the geometry".to_owned())?;
             }
-            None => return Err(CurveError::file("GeoJSON", "must be an object with a text `type`")),
-        }
-        let system = match crs {
-            None | Some(Member::Other(Item::Null)) => None,
-            Some(Member::Here(crs)) => Some(crs.system()),
-            Some(Member::Other(item)) => Some(System::Unknown(item.to_string())),
-        };
-        let warning = self.place(system.as_ref())?;
-        self.collector.finish(warning.into_iter().collect())
-    }
-
-    /// Whether the file can lie where it is taken to lie.
-    fn place(&self, system: Option<&System>) -> Result<Option<String>, CurveError> {
-        let refuse = |message: String| Err(CurveError::file("GeoJSON", message));
-        match (system, self.place.epsg) {
-            (Some(System::Degrees), _) => refuse(
-                "its coordinates are degrees, and metres are expected; reproject it to the terrain's coordinate \
-                 system"
-                    .to_owned(),
-            ),
-            (Some(System::Epsg(epsg)), Some(want)) if *epsg != want => {
-                refuse(format!("the file is in EPSG:{epsg}, the terrain in EPSG:{want}; reproject it"))
+            Some("Topology") => return refuse("is TopoJSON, which is another format; convert it to GeoJSON"),
+            Some(name) => {
+                let name = short(name);
+                return refuse(&format!(
+                    "its `type` must be FeatureCollection, Feature or a geometry, got \"{name}\""
+                ));
             }
-            (Some(System::Epsg(epsg)), None) => Ok(Some(format!(
-                "the file is in EPSG:{epsg}, and the terrain has no `geo`: its coordinates are taken from the \
-                 terrain's north-west corner"
-            ))),
-            (Some(System::Unknown(name)), _) => Ok(Some(format!(
-                "the coordinate system of the file, {name}, is not known; its coordinates are taken for metres"
-            ))),
-            (Some(System::Epsg(_)), Some(_)) => Ok(None),
-            // By the standard of today a file is in degrees.
-            (None, _) if self.degrees && self.lines > 0 => Ok(Some(
-                "all positions could be longitudes and latitudes, and metres are expected; a file in degrees must be \
-                 reprojected"
-                    .to_owned(),
-            )),
-            (None, _) => Ok(None),
+            None if is_esri => {
+                return refuse("is JSON of Esri, which is another format; convert it to GeoJSON");
+            }
+            None => return refuse("must be an object with a text `type`"),
         }
+        // By the standard of today a file is in degrees.
+        let degrees = (self.degrees && self.lines > 0).then(|| {
+            "all positions could be longitudes and latitudes, and metres are expected; a file in degrees must be \
+             reprojected"
+                .to_owned()
+        });
+        let warnings = [warning, self.own.take(), degrees];
+        self.collector.finish(warnings.into_iter().flatten().collect())
     }
 }
+
+/// What a geometry may be.
+const GEOMETRIES: [&str; 7] =
+    ["Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon", "GeometryCollection"];
 
 /// A number, a text that is one, or a list of numbers.
 fn property(item: Option<&Item>, name: &str) -> Result<Option<Property>, String> {
