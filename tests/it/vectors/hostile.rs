@@ -89,6 +89,17 @@ fn large() -> Vec<(&'static str, String)> {
         ("ids and uses.svg", picture(&names(n / 4, |k| format!("<g id='a{k}'/><use href='#a{}'/>", n - k)))),
         ("deep.svg", picture(&"<g>".repeat(n))),
         ("classes.svg", picture(&format!("<style>{}</style>", ".a{} ".repeat(n)))),
+        (
+            "rules.svg",
+            picture(&format!(
+                "<style>{}</style>{}",
+                names(n / 4, |k| format!(".a.b{k}{{display:none}} .c{k}{{display:none}}")),
+                "<g class='a b1'/>".repeat(n / 4)
+            )),
+        ),
+        ("classes of one.svg", picture(&format!("<g class='{}'/>", names(n, |k| format!("a{k} "))))),
+        ("open blocks.svg", picture(&format!("<style>{}</style>", "a{".repeat(n)))),
+        ("comments.svg", picture(&format!("<style>{}</style>", "/* */ ".repeat(n)))),
         ("subpaths.svg", picture(&format!("<path d=\"{}\"/>", "m0 0h1".repeat(n)))),
         ("points.svg", picture(&format!("<polyline points=\"{}\"/>", "0 0 1 1 ".repeat(n)))),
         ("errors.svg", picture(&"<path d=\"M 0 0 L x\"/>\n".repeat(n))),

@@ -15,13 +15,17 @@ fn read(body: &str) -> Result<Imported, CurveError> {
     )
 }
 
+/// What is said of a picture that gives no curve.
+const NOTHING: &str = "the file has no line that becomes a curve";
+
 /// The corners of all curves of a body on a page of 100 by 100, laid on 1000 by 1000 m.
 fn drawn(body: &str) -> Vec<Vec<[i64; 2]>> {
     let text = format!(
         r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 100 100">{body}</svg>"#
     );
     let got = svg(&text, Fit::Inside, &plain()).expect(body);
-    assert_eq!(got.warnings, [""; 0], "{body}");
+    let nothing = got.curves.is_empty().then(|| NOTHING.to_owned());
+    assert_eq!(got.warnings, nothing.into_iter().collect::<Vec<_>>(), "{body}");
     corners(&got)
 }
 
@@ -298,4 +302,118 @@ fn limits_name_what_was_found() {
     let groups = format!("<svg viewBox='0 0 1 1'>{}</svg>", "<g/>".repeat(1 << 20));
     let error = svg(&groups, Fit::Inside, &plain()).expect_err("too many").to_string();
     assert!(error.contains("elements of the picture: at most 1048576, got 1048577"), "{error}");
+}
+
+/// What styles hide is not drawn, whoever writes them: an attribute, a rule, or a rule that counts more.
+#[test]
+fn style_sheets_hide_lines() {
+    let line = |style: &str, element: &str| format!("<style>{style}</style>{element}<path d='M0 0h10'/>");
+    let path = r#"<path id="p" class="st0 a" d="M50 0V99"/>"#;
+    for (style, shown) in [
+        (".st0{display:none}", 0),
+        ("/* x */ .b, .st0 { fill: url(a;b); DISPLAY : none }", 0),
+        ("<![CDATA[#p{visibility:hidden}]]>", 0),
+        ("path.a.st0{display:none}", 0),
+        ("*.st0{display:none}", 0),
+        (".st0{display:none} .st0{display:inline}", 1),
+        (".st0{display:none !important} #p{display:inline}", 0),
+        ("#p{display:inline} .st0{display:none}", 1),
+        (".other{display:none} path.other{display:none}", 1),
+        ("@font-face{font-family:'display'} .st1{fill:red}", 1),
+        (".st0{display:none", 0),
+    ] {
+        assert_eq!(drawn(&line(style, path)).len(), 1 + shown, "{style}");
+    }
+    let own = r#"<path class="st0" style="display:inline" d="M50 0V99"/>"#;
+    assert_eq!(drawn(&line(".st0{display:none}", own)).len(), 2, "its own style is nearer");
+    assert_eq!(drawn(&line(".st0{display:none!important}", own)).len(), 1);
+    let attribute = r#"<path class="st0" display="none" d="M50 0V99"/>"#;
+    assert_eq!(drawn(&line(".st0{display:inline}", attribute)).len(), 2, "an attribute is furthest");
+    // After the elements that it speaks of, for another medium, or in another language.
+    assert_eq!(
+        drawn(&format!("{path}<defs><style>.st0{{display:none}}</style></defs><path d='M0 0h1'/>")).len(),
+        1
+    );
+    for other in ["media='print'", "type='text/less'"] {
+        assert_eq!(drawn(&format!("<style {other}>.st0{{display:none}}</style>{path}")).len(), 1, "{other}");
+    }
+}
+
+/// One warning for all that is not read of styles, with the first place.
+#[test]
+fn styles_that_are_not_read_are_told_of() {
+    let path = r#"<path h="1" d="M0 0h10"/>"#;
+    for (body, warning) in [
+        (
+            "<style>g > path{display:none} a:hover{display:none}</style>",
+            "2 styles that are not read, left out; the first: the rules of `g > path` in the style sheet",
+        ),
+        (
+            "<style>@import 'a.css';</style>",
+            "1 style that is not read, left out: `@import` in the style sheet",
+        ),
+        ("<style>@media print{path{display:none}}</style>", "`@media` in the style sheet"),
+        ("<style>path{cx:5px}</style>", "`cx` of the style sheet"),
+        ("<path style='rotate:20deg' h='1' d='M0 5h10'/>", "`rotate` in the style of path in line 1"),
+        ("<?xml-stylesheet href='a.css'?>", "the style sheet of another file"),
+    ] {
+        let got = read(&format!("{body}{path}")).expect(body);
+        assert!(got.warnings.len() == 1 && got.warnings[0].contains(warning), "{body}: {:?}", got.warnings);
+    }
+    // What says nothing of lines is nobody's business.
+    let got =
+        read(&format!("<style>g > path:hover{{fill:red}} @page{{margin:0}}</style>{path}")).expect("curves");
+    assert_eq!(got.warnings, [""; 0]);
+}
+
+#[test]
+fn styles_move_lines() {
+    let turned = [[800, 200], [200, 200]];
+    for (attributes, want) in [
+        (r#"style="transform:translate(20px,20px)" d="M0 0H60""#, [[200, 200], [800, 200]]),
+        (
+            r#"style="transform:translate(20%,20%)" transform="scale(9)" d="M0 0H60""#,
+            [[200, 200], [800, 200]],
+        ),
+        (r#"transform="rotate(90)" transform-origin="50 50" d="M20 20V80""#, turned),
+        (r#"transform="rotate(90)" style="transform-origin:center" d="M20 20V80""#, turned),
+        (r#"style="transform:rotate(90deg);transform-origin:50% 50px" d="M20 20V80""#, turned),
+        (r#"transform-origin="50 50" d="M20 20H80""#, [[200, 200], [800, 200]]),
+    ] {
+        assert_eq!(drawn(&format!("<path {attributes}/>")), [want], "{attributes}");
+    }
+    for (attributes, message) in [
+        ("style='transform:rotateX(9deg)'", "the style `transform` cannot be read: \"rotateX(9deg)\""),
+        ("transform='scale(2)' transform-origin='here'", "`transform-origin` cannot be read: \"here\""),
+        (
+            "transform='scale(2)' style='transform-box:fill-box'",
+            "`transform-box` must be view-box, got \"fill-box\"",
+        ),
+    ] {
+        let got = read(&format!("<path {attributes} h='1' d='M0 0h10'/>")).expect(attributes);
+        assert!(
+            got.curves.is_empty() && got.warnings[0].contains(message),
+            "{attributes}: {:?}",
+            got.warnings
+        );
+    }
+}
+
+#[test]
+fn an_entity_of_elements_is_no_undefined_one() {
+    let text = r#"<!DOCTYPE svg [<!ENTITY p '<path d="M20,20 L80,20"/>'><!ENTITY t 'words'>]>
+        <svg viewBox="0 0 100 100">&p;&t;<path d="M0 0h10"/></svg>"#;
+    let got = svg(text, Fit::Inside, &plain()).expect("curves");
+    assert!(got.warnings.len() == 1, "{:?}", got.warnings);
+    assert!(
+        got.warnings[0].starts_with("1 entity that stands for elements, left out: `&p;`"),
+        "{:?}",
+        got.warnings
+    );
+}
+
+#[test]
+fn a_picture_without_lines_is_told_of() {
+    assert!(drawn("").is_empty());
+    assert!(drawn(r#"<path display="none" d="M0 0h1"/>"#).is_empty());
 }

@@ -25,6 +25,16 @@ pub(super) struct Unfolded {
     pub(super) unknown: bool,
 }
 
+/// What a reference between elements stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Between {
+    Text,
+    /// Elements.
+    Markup,
+    /// It has no meaning in this file.
+    Nothing,
+}
+
 /// The references unfold to more than may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TooLong;
@@ -47,9 +57,14 @@ impl Entities {
         Ok(entities)
     }
 
-    /// Whether a reference between elements stands for nothing that XML itself defines.
-    pub(super) fn is_foreign(name: &str) -> bool {
-        !name.starts_with('#') && resolve_xml_entity(name).is_none()
+    /// What a reference between elements stands for.
+    pub(super) fn between(&self, name: &str) -> Between {
+        match self.values.get(name) {
+            _ if name.starts_with('#') || resolve_xml_entity(name).is_some() => Between::Text,
+            Some(value) if value.contains('<') => Between::Markup,
+            Some(_) => Between::Text,
+            None => Between::Nothing,
+        }
     }
 
     /// A text with its references unfolded; one that is not well formed stays as it is.

@@ -2,9 +2,11 @@
 
 mod arc;
 mod entities;
+mod moves;
 mod pen;
 mod place;
 mod shape;
+mod style;
 mod tree;
 
 use std::collections::BTreeMap;
@@ -39,7 +41,8 @@ pub enum Fit {
 ///
 /// The page is as large as `width` and `height` say, in whatever unit, else as the view box; the view box lies in it as
 /// `preserveAspectRatio` says. Transforms count, and so do inner `svg`, `use`, `symbol` and `switch`. What is not
-/// displayed is left out; other styles do not count, nor does clipping. Entities of the file's own DOCTYPE are unfolded,
+/// displayed is left out, be it by an attribute, a style or a simple rule of a style sheet; styles count for display,
+/// visibility and transforms alone, and nothing is clipped. Entities of the file's own DOCTYPE are unfolded,
 /// others stand for nothing: no other file is ever read.
 ///
 /// # Errors
@@ -61,6 +64,9 @@ pub fn read(
     let drawing = |share: f32| go_on(0.3 + 0.7 * share);
     let drawing = Watch::new(&drawing, tree.len());
     let root = tree.node(0);
+    if root.attribute("transform").is_some() || root.moves().is_some_and(|said| said.transform.is_some()) {
+        collector.tally.add(Notice::Style, || "`transform` of the whole picture".to_owned());
+    }
     let (placed, view) = placement(&root, onto, fit)?;
     let mut artist = Artist { tree: &tree, ids: tree.ids(), collector, uses: Vec::new(), visits: 0 };
     artist.all(placed, view, &drawing)?;
@@ -178,7 +184,11 @@ impl Artist<'_> {
             return Ok(None);
         }
         let visible = is_visible(node, outer.visible);
-        let setting = Setting { placed: outer.placed.of_node(node).map_err(unreadable)?, visible, ..*outer };
+        let setting = Setting {
+            placed: outer.placed.of_node(node, outer.view).map_err(unreadable)?,
+            visible,
+            ..*outer
+        };
         match name {
             "svg" | "symbol" => self.viewport(node, &setting, target).map(Some),
             "use" => self.used(node, &setting),
@@ -340,14 +350,6 @@ fn unreadable(message: String) -> Fault {
     Fault::Here(Notice::Attribute, message)
 }
 
-/// A property of presentation, from the element's style or its attribute.
-fn style<'a>(node: &Node<'a>, name: &str) -> Option<&'a str> {
-    let styles = node.attribute("style").into_iter().flat_map(|style| style.split(';'));
-    let mut pairs = styles.filter_map(|pair| pair.split_once(':'));
-    let of_style = pairs.rfind(|(key, _)| key.trim() == name).map(|(_, value)| value);
-    of_style.or(node.attribute(name)).map(|value| value.trim().trim_end_matches("!important").trim_end())
-}
-
 /// Whether an element is drawn at all, with what stands in it.
 fn is_displayed(node: &Node<'_>) -> bool {
     let asks_for_more = node.attribute("requiredExtensions").is_some_and(|e| !e.trim().is_empty());
@@ -355,16 +357,12 @@ fn is_displayed(node: &Node<'_>) -> bool {
         languages.split(',').any(|l| l.trim().split('-').next().is_some_and(|l| l.eq_ignore_ascii_case("en")))
     };
     let foreign = node.attribute("systemLanguage").is_some_and(|languages| !speaks(languages));
-    style(node, "display") != Some("none") && !asks_for_more && !foreign
+    !node.look().hidden && !asks_for_more && !foreign
 }
 
 /// Whether the lines of an element show, unless an element in it says otherwise.
 fn is_visible(node: &Node<'_>, outer: bool) -> bool {
-    match style(node, "visibility") {
-        Some("hidden" | "collapse") => false,
-        Some("visible") => true,
-        _ => outer,
-    }
+    node.look().visible.unwrap_or(outer)
 }
 
 fn property(node: &Node<'_>, key: &str) -> Result<Option<Property>, String> {

@@ -6,6 +6,7 @@ use svgtypes::{
     Align, AspectRatio, Length, LengthUnit, TransformListParser, TransformListToken, ViewBox as Numbers,
 };
 
+use super::moves;
 use super::tree::Node;
 use crate::value::curves::bezier::Point;
 
@@ -52,18 +53,38 @@ impl Affine {
         })
     }
 
-    /// This after the `transform` of an element.
+    /// This after what moves an element: the `transform` of its styles, else of its attribute, about its origin.
     ///
     /// # Errors
-    /// When the attribute cannot be read.
-    pub(super) fn of_node(&self, node: &Node<'_>) -> Result<Self, String> {
-        let mut all = *self;
-        for token in TransformListParser::from(node.attribute("transform").unwrap_or_default()) {
-            let token = token.map_err(|e| format!("`transform` cannot be read: {e}"))?;
-            all = all.after(&Self::of(&token));
+    /// When it cannot be read.
+    pub(super) fn of_node(&self, node: &Node<'_>, view: Viewport) -> Result<Self, String> {
+        let said = node.moves();
+        let steps = match said.and_then(|said| said.transform.as_deref()) {
+            Some(text) => moves::steps(text, view)?,
+            None => steps(node.attribute("transform").unwrap_or_default())?,
+        };
+        let frame = said.and_then(|said| said.frame.as_deref());
+        if steps.is_empty() {
+            return Ok(*self);
         }
-        Ok(all)
+        if let Some(frame) = frame.filter(|frame| !frame.eq_ignore_ascii_case("view-box")) {
+            return Err(format!("`transform-box` must be view-box, got \"{frame}\""));
+        }
+        let origin = said.and_then(|said| said.origin.as_deref());
+        let Some([x, y]) = origin.map(|text| moves::origin(text, view)).transpose()? else {
+            return Ok(steps.iter().fold(*self, |all, step| all.after(step)));
+        };
+        let moved = steps.iter().fold(self.after(&Self::shift(x, y)), |all, step| all.after(step));
+        Ok(moved.after(&Self::shift(-x, -y)))
     }
+}
+
+/// The steps of a `transform` attribute.
+fn steps(text: &str) -> Result<Vec<Affine>, String> {
+    let step = |token: Result<TransformListToken, svgtypes::Error>| {
+        token.map(|token| Affine::of(&token)).map_err(|e| format!("`transform` cannot be read: {e}"))
+    };
+    TransformListParser::from(text).map(step).collect()
 }
 
 /// What a percentage of a length is a share of.
@@ -96,12 +117,13 @@ impl Viewport {
         let Some(text) = node.attribute(name).map(str::trim).filter(|t| *t != "auto") else {
             return Ok(None);
         };
-        let length = Length::from_str(text).map_err(|e| format!("`{name}` cannot be read: {e}"))?;
-        let units = match user_units(&length) {
-            Some(units) => units,
-            None => length.number / 100.0 * self.side(along),
-        };
-        Ok(Some(units))
+        self.length_of(text, along).map(Some).map_err(|e| format!("`{name}` cannot be read: {e}"))
+    }
+
+    /// The length that a text gives, in user units.
+    pub(super) fn length_of(self, text: &str, along: Along) -> Result<f64, svgtypes::Error> {
+        let length = Length::from_str(text)?;
+        Ok(user_units(&length).unwrap_or_else(|| length.number / 100.0 * self.side(along)))
     }
 }
 

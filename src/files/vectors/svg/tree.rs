@@ -10,7 +10,8 @@ use quick_xml::Reader;
 use quick_xml::events::attributes::Attributes;
 use quick_xml::events::{BytesStart, Event};
 
-use super::entities::{Entities, TooLong};
+use super::entities::{Between, Entities, TooLong};
+use super::style::{Look, Looks, Moves};
 use crate::files::vectors::tally::{Notice, Tally};
 use crate::files::vectors::{MAX_ELEMENTS, Mapping, Watch, short, too_many};
 use crate::value::curves::CurveError;
@@ -32,7 +33,8 @@ const IDLE: [&str; 10] = [
 ];
 
 /// Attributes that drawing asks for.
-const ASKED: [&str; 27] = [
+const ASKED: [&str; 29] = [
+    "class",
     "cx",
     "cy",
     "d",
@@ -50,6 +52,7 @@ const ASKED: [&str; 27] = [
     "style",
     "systemLanguage",
     "transform",
+    "transform-origin",
     "viewBox",
     "visibility",
     "width",
@@ -68,6 +71,7 @@ pub(super) struct Tree<'t> {
     text: &'t str,
     elements: Vec<Element<'t>>,
     attributes: Vec<(&'t str, Cow<'t, str>)>,
+    looks: Looks,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -100,17 +104,21 @@ impl<'t> Tree<'t> {
         tally: &mut Tally,
     ) -> Result<Self, CurveError> {
         let mut parser = Parser {
-            tree: Self { text, elements: Vec::new(), attributes: Vec::new() },
+            tree: Self { text, elements: Vec::new(), attributes: Vec::new(), looks: Looks::default() },
             asked: asked(mapping),
             entities: Entities::default(),
             scopes: Scopes::default(),
             open: Vec::new(),
             depth: 0,
             idle: None,
+            in_style: false,
+            css: String::new(),
             tally,
         };
         parser.all(text, watch)?;
-        Ok(parser.tree)
+        let Parser { mut tree, css, tally, .. } = parser;
+        tree.looks = Looks::of(&tree, &css, tally, || watch.at(text.len()))?;
+        Ok(tree)
     }
 
     pub(super) fn len(&self) -> usize {
@@ -167,6 +175,16 @@ impl<'a> Node<'a> {
         own.iter().find(|(key, _)| *key == name).map(|(_, value)| &**value)
     }
 
+    /// What styles say of it.
+    pub(super) fn look(&self) -> Look {
+        self.tree.looks.look(self.index)
+    }
+
+    /// How styles move it, where they do.
+    pub(super) fn moves(&self) -> Option<&'a Moves> {
+        self.tree.looks.moves(self.index)
+    }
+
     /// What it is called in messages.
     pub(super) fn place(&self) -> String {
         let before = self.tree.text.as_bytes().get(..self.element().at).unwrap_or_default();
@@ -188,6 +206,10 @@ struct Parser<'t, 'm> {
     depth: usize,
     /// Depth of the open element whose content is of no use.
     idle: Option<usize>,
+    /// Whether that is a style sheet.
+    in_style: bool,
+    /// The style sheets, one after the other.
+    css: String,
     tally: &'m mut Tally,
 }
 
@@ -219,11 +241,11 @@ impl<'t> Parser<'t, '_> {
                     let doctype = doctype.decode().map_err(not_xml)?;
                     self.entities = Entities::declared(&doctype)?;
                 }
-                Event::GeneralRef(name) => {
-                    let name = name.decode().map_err(not_xml)?;
-                    if self.idle.is_none() && Entities::is_foreign(&name) {
-                        self.tally.add(Notice::Entity, || format!("`&{};` at byte {at}", short(&name)));
-                    }
+                Event::GeneralRef(name) => self.reference(&name.decode().map_err(not_xml)?, at)?,
+                Event::Text(css) if self.in_style => self.css.push_str(&css.decode().map_err(not_xml)?),
+                Event::CData(css) if self.in_style => self.css.push_str(&css.decode().map_err(not_xml)?),
+                Event::PI(told) if told.target() == b"xml-stylesheet" => {
+                    self.tally.add(Notice::Style, || "the style sheet of another file".to_owned());
                 }
                 Event::Text(_) | Event::CData(_) | Event::Comment(_) | Event::Decl(_) | Event::PI(_) => (),
                 Event::Eof => break,
@@ -235,6 +257,22 @@ impl<'t> Parser<'t, '_> {
         }
         if self.tree.elements.is_empty() {
             return Err(not_xml("there is no element"));
+        }
+        Ok(())
+    }
+
+    /// A reference between elements.
+    fn reference(&mut self, name: &str, at: usize) -> Result<(), CurveError> {
+        if self.in_style {
+            let reference = format!("&{name};");
+            self.css.push_str(&self.entities.unfold(&reference)?.0);
+        } else if self.idle.is_none() {
+            let notice = match self.entities.between(name) {
+                Between::Text => return Ok(()),
+                Between::Markup => Notice::Markup,
+                Between::Nothing => Notice::Entity,
+            };
+            self.tally.add(notice, || format!("`&{};` at byte {at}", short(name)));
         }
         Ok(())
     }
@@ -262,6 +300,7 @@ impl<'t> Parser<'t, '_> {
         if !root && (space == Space::Other || IDLE.contains(&name)) {
             self.tree.attributes.truncate(first);
             self.idle = Some(self.depth);
+            self.in_style = space == Space::Picture && name == "style" && self.holds(tag_text, full.len())?;
             return Ok(());
         }
         too_many("elements of the picture", MAX_ELEMENTS, self.tree.elements.len() + 1)?;
@@ -303,10 +342,26 @@ impl<'t> Parser<'t, '_> {
         Ok(())
     }
 
+    /// Whether a style sheet holds for what is drawn here.
+    fn holds(&mut self, tag: &'t str, name: usize) -> Result<bool, CurveError> {
+        let mut holds = true;
+        for attribute in Attributes::new(tag, name).with_checks(false) {
+            let attribute = attribute.map_err(not_xml)?;
+            let value = slice(tag, &attribute.value).trim().to_ascii_lowercase();
+            match attribute.key.as_ref() {
+                b"type" => holds &= matches!(&*value, "" | "text/css"),
+                b"media" => holds &= value.is_empty() || value.split(',').any(|m| is_screen(m.trim())),
+                _ => (),
+            }
+        }
+        self.css.push('\n');
+        Ok(holds)
+    }
+
     fn end(&mut self) {
         self.scopes.leave(self.depth);
         match self.idle {
-            Some(depth) if depth == self.depth => self.idle = None,
+            Some(depth) if depth == self.depth => (self.idle, self.in_style) = (None, false),
             Some(_) => (),
             None => {
                 if let Some(index) = self.open.pop() {
@@ -316,6 +371,11 @@ impl<'t> Parser<'t, '_> {
         }
         self.depth = self.depth.saturating_sub(1);
     }
+}
+
+/// Whether a style sheet for a medium holds for a picture on a screen.
+fn is_screen(medium: &str) -> bool {
+    matches!(medium, "all" | "screen")
 }
 
 /// The part of a text that a slice of its bytes is.
