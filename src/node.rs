@@ -397,6 +397,15 @@ pub trait Node:
         Vec::new()
     }
 
+    /// Checks the files before anything of them is read: by their lengths.
+    ///
+    /// # Errors
+    /// Names the limit and the value found.
+    fn check_files(&self, files: &[Arc<SourceFile>]) -> Result<()> {
+        let _ = files;
+        Ok(())
+    }
+
     /// What reading and decoding the files takes: bytes at the peak, the content among them, and seconds on one core.
     /// Headers may be looked at, the content may not.
     fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {

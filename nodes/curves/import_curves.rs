@@ -2,7 +2,7 @@
 
 use crate::files::vectors::geojson::{self, Place};
 use crate::files::vectors::svg::{self, Fit};
-use crate::files::vectors::{Imported, Mapping};
+use crate::files::vectors::{Imported, MAX_FILE, Mapping};
 use crate::node::SourceFile;
 use crate::prelude::*;
 use crate::value::curves::CurveError;
@@ -15,17 +15,20 @@ const PARSING_SECONDS: f64 = 0.2e-6;
 /// Of an SVG every path and shape is taken, each subpath as a curve: `path`, `line`, `polyline`, `polygon`, `rect`,
 /// `circle`, `ellipse`, also where `use` draws them or an inner `svg` holds them. The page, as large as its `width` and
 /// `height` say in whatever unit, else its view box, is laid on the terrain. Of GeoJSON every `LineString` and
-/// `MultiLineString` is taken and every ring of a `Polygon` and `MultiPolygon`, with coordinates in metres to the east
-/// and north: on a terrain that lies on Earth in its own coordinate system, else from the terrain's north-west corner.
+/// `MultiLineString` is taken and every ring of a `Polygon` and `MultiPolygon`, with coordinates to the east and north, in
+/// metres or the unit of the file's coordinate system: on a terrain that lies on Earth in its own system, else from the
+/// terrain's north-west corner.
 /// The mapping says which property of a line gives which value of its curve; a list of numbers is spread evenly over the
 /// length. In SVG a property is an attribute `data-NAME` or `NAME` of the element, or of the `use` that draws it.
 ///
 /// # Limits
 /// What cannot be a curve is left out: points, texts, lines without length, with broken data or on which nothing is set;
-/// a warning for each kind says how many and where the first stands. Nothing is reprojected: a file that says it is in
-/// degrees or in another coordinate system than the terrain is refused. Of the styles of a picture `display` and
-/// `visibility` count, style sheets do not, and nothing is clipped. No file beside this one is read. A file may have 64
-/// MiB, 1,048,576 positions and as many elements, and give 65,536 curves.
+/// a warning for each kind says how many and where the first stands, and one that nothing is left. Nothing is reprojected:
+/// a file that says it is in degrees or in another coordinate system than the terrain, by `crs` or `coordRefSys` on any of
+/// its objects, is refused. Of the styles of a picture `display`, `visibility` and transforms count, from attributes and
+/// from rules of style sheets for an element, a class, an `id` or `*`; a warning names what else would count, and nothing
+/// is clipped. No file beside this one is read. A file may have 64 MiB, 1,048,576 positions and as many elements, and give
+/// 65,536 curves; a line may have 16,385 points.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportCurves {
@@ -91,6 +94,12 @@ impl Node for ImportCurves {
             .then(|| FileRequest { parameter: "file", name: self.file.0.clone(), optional: false })
             .into_iter()
             .collect()
+    }
+
+    fn check_files(&self, files: &[std::sync::Arc<SourceFile>]) -> Result<()> {
+        let Some(long) = files.iter().find(|file| file.len() > MAX_FILE as u64) else { return Ok(()) };
+        let message = format!("bytes of the file: at most {MAX_FILE}, got {}", long.len());
+        Err(Error::File { parameter: "file", file: self.file.0.clone(), message })
     }
 
     fn reading(&self, files: &[std::sync::Arc<SourceFile>]) -> Cost {

@@ -86,7 +86,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let (whole, window) = args.grid.grids(graph.terrain())?;
     let tiles = tiles(&args.tiles, &window)?;
     let names = chosen(&graph, &args.outputs)?;
-    let inputs = open::inputs(&args.graph, &graph);
+    let inputs = open::inputs(&args.graph, &graph, &files);
     let report_path = args.report.clone().unwrap_or_else(|| args.out.join(REPORT));
     spare_inputs(&report_path, &inputs)?;
     let folder = Folder::open(&args.out, &inputs, &report_path, args.overwrite)?;

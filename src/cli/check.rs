@@ -93,7 +93,7 @@ fn file_problems(opened: &Opened) -> Vec<Problem> {
         let (node, name) = (graph.node(id), || graph.node(id).name.clone());
         let (Some(kind), Ok(parsed)) = (node.kind(), node.parse()) else { continue };
         let place = |parameter: &str| Place::Parameter { node: name(), parameter: parameter.to_owned() };
-        if let Err(Error::File { parameter, file, message }) = opened.files.look(&parsed.files()) {
+        if let Err(Error::File { parameter, file, message }) = opened.files.look(&*parsed) {
             found.push(Problem::error(place(parameter), format!("{message}: {file}")).of(id));
         }
         let canonical = parsed.canonical();

@@ -103,7 +103,7 @@ fn nodes(graph: &Graph, args: &Args) -> Result<Vec<(NodeId, ImportHeight)>, Stop
     let folder = folder_of(&args.graph);
     let file = args.file.canonicalize().ok();
     let names_it = |(_, node): &&(NodeId, ImportHeight)| {
-        let named = folder.join(&node.file.0).canonicalize().ok();
+        let named = open::found(folder, &node.file.0);
         !node.file.0.is_empty() && named.is_some() && named == file
     };
     let naming: Vec<_> = all.iter().filter(names_it).cloned().collect();

@@ -7,7 +7,7 @@ use serde_json::Value as Json;
 
 use super::args::GraphArgs;
 use super::exit::{Exit, Stop};
-use crate::engine::Files;
+use crate::engine::{Files, on_this_system};
 use crate::graph::{Graph, LoadError, MAX_FILE, Problem};
 use crate::node::FileRequest;
 use crate::nodes::Registry;
@@ -119,7 +119,7 @@ fn variables_of(path: &Path) -> Result<serde_json::Map<String, Json>, Stop> {
 fn assign(graph: &mut Graph, files: &mut Files, name: &str, text: &str) -> Result<(), Problem> {
     graph.assign(name, text)?;
     if requests(graph).any(|r| r.name == text)
-        && let Ok(path) = Path::new(text).canonicalize()
+        && let Some(path) = found(Path::new(""), text)
     {
         graph.assign(name, &path.to_string_lossy())?;
         let beside = |r: &FileRequest| Path::new(&r.name).parent() == path.parent();
@@ -128,10 +128,16 @@ fn assign(graph: &mut Graph, files: &mut Files, name: &str, text: &str) -> Resul
     Ok(())
 }
 
+/// The file of a name in a folder, where it is there; a name may be written as on Windows.
+pub(super) fn found(folder: &Path, name: &str) -> Option<PathBuf> {
+    let there = |name: &str| folder.join(name).canonicalize().ok();
+    there(name).or_else(|| there(&on_this_system(name)?))
+}
+
 /// The files that are read: the graph, the variables, and what the nodes name, as far as it lies where they say.
-pub(super) fn inputs(args: &GraphArgs, graph: &Graph) -> Vec<PathBuf> {
+pub(super) fn inputs(args: &GraphArgs, graph: &Graph, files: &Files) -> Vec<PathBuf> {
     let folder = folder_of(&args.graph);
-    let sources = requests(graph).map(|f| folder.join(f.name));
+    let sources = requests(graph).map(|f| files.locate(&f.name).unwrap_or_else(|| folder.join(f.name)));
     let own = (!is_stdin(&args.graph)).then(|| args.graph.clone());
     own.into_iter().chain(args.vars.clone()).chain(sources).collect()
 }

@@ -182,7 +182,7 @@ fn from_graph(
     cancel: &Cancel,
 ) -> Result<Subject, Stop> {
     let Opened { graph, files, problems, .. } = open::open(&args.graph, registry)?;
-    spare_inputs(&args.out, &open::inputs(&args.graph, &graph))?;
+    spare_inputs(&args.out, &open::inputs(&args.graph, &graph, &files))?;
     problems.iter().filter(|p| p.is_error()).for_each(|p| progress.say(&format!("error: {p}")));
     let (_, window) = args.grid.grids(graph.terrain())?;
     let wanted = |name: &String| want(&graph, name, window).map_err(|e| Stop::new(Exit::Graph, e));

@@ -2,14 +2,14 @@
 //! the user named on the command line. Checked by directory handle, not by text: no link leads out.
 
 use std::collections::BTreeSet;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, MAIN_SEPARATOR, Path, PathBuf};
 use std::sync::Arc;
 
 use cap_std::ambient_authority;
 use cap_std::fs::{Dir, OpenOptions};
 
 use super::sources::{Hashes, Sources};
-use crate::node::{Error, FileRequest};
+use crate::node::{AnyNode, Error, FileRequest};
 use crate::source::Shelf;
 use crate::whole::is_device;
 
@@ -77,9 +77,39 @@ impl Files {
     ///
     /// # Errors
     /// [`Error::File`] with the reason.
-    pub fn look(&self, requests: &[FileRequest]) -> Result<(), Error> {
-        self.sources().find(requests).map(drop)
+    pub fn look(&self, node: &dyn AnyNode) -> Result<(), Error> {
+        let found = self.sources().find(&node.files())?;
+        node.check_files(&found.into_iter().flatten().collect::<Vec<_>>())
     }
+
+    /// Where the file lies that a name stands for, if it may be read.
+    pub fn locate(&self, name: &str) -> Option<PathBuf> {
+        self.allowed.open(name).ok().map(|(spot, _)| spot.path())
+    }
+}
+
+/// A name that was written on Windows, with the separators of this system; none where they are the same.
+pub fn on_this_system(name: &str) -> Option<String> {
+    (MAIN_SEPARATOR == '/' && name.contains('\\')).then(|| name.replace('\\', "/"))
+}
+
+/// Whether a name begins with a drive, which only Windows has.
+fn has_drive(name: &str) -> bool {
+    let is_drive = |b: &[u8]| matches!(b, [letter, b':', b'/' | b'\\', ..] if letter.is_ascii_alphabetic());
+    MAIN_SEPARATOR == '/' && is_drive(name.as_bytes())
+}
+
+/// A path without its `.` and `..`, as it is written: no link is looked at.
+fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => (),
+            Component::ParentDir => _ = plain.pop(),
+            Component::Normal(_) | Component::RootDir | Component::Prefix(_) => plain.push(part),
+        }
+    }
+    plain
 }
 
 /// The folders and files that may be read.
@@ -99,33 +129,50 @@ pub(super) enum Spot {
 }
 
 impl Allowed {
-    /// Opens what a name stands for, and says where that was.
+    /// Opens what a name stands for, and says where that was. Where no file has the very name, `\` parts folders as on
+    /// Windows: a graph is the same on every system.
     pub(super) fn open(&self, name: &str) -> Result<(Spot, std::fs::File), Refusal> {
+        match (self.open_as(name), on_this_system(name)) {
+            (Err(Refusal::Absent), _) if has_drive(name) => Err(Refusal::Drive),
+            (Err(Refusal::Absent | Refusal::Outside), Some(name)) => self.open_as(&name),
+            (opened, _) => opened,
+        }
+    }
+
+    fn open_as(&self, name: &str) -> Result<(Spot, std::fs::File), Refusal> {
         let path = Path::new(name);
         if let Some(full) = self.named.get(path) {
             return Spot::Named(full.clone()).opened();
         }
         if path.is_absolute() {
-            let inside = |(root, dir): &(PathBuf, Arc<Dir>)| {
-                Some(Spot::Below(root.clone(), dir.clone(), path.strip_prefix(root).ok()?.to_owned()))
-            };
-            return self.roots.iter().find_map(inside).ok_or(Refusal::Outside)?.opened();
+            return self.below(&plain(path)).ok_or(Refusal::Outside)?.opened();
         }
-        if path.components().any(|c| !matches!(c, Component::Normal(_) | Component::CurDir)) {
-            return Err(Refusal::Outside);
-        }
+        let goes_down = path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
         if path.components().any(|c| is_device(&c.as_os_str().to_string_lossy())) {
             return Err(Refusal::Device);
         }
         let mut last = Refusal::Absent;
         for (root, dir) in &self.roots {
-            match Spot::Below(root.clone(), dir.clone(), path.to_owned()).opened() {
+            let spot = if goes_down {
+                Some(Spot::Below(root.clone(), dir.clone(), path.to_owned()))
+            } else {
+                self.below(&plain(&root.join(path)))
+            };
+            match spot.ok_or(Refusal::Outside).and_then(Spot::opened) {
                 Err(Refusal::Absent) => (),
                 Err(other) => last = other,
                 found => return found,
             }
         }
         Err(last)
+    }
+
+    /// The place of a path in the first allowed folder that holds it.
+    fn below(&self, path: &Path) -> Option<Spot> {
+        let inside = |(root, dir): &(PathBuf, Arc<Dir>)| {
+            Some(Spot::Below(root.clone(), dir.clone(), path.strip_prefix(root).ok()?.to_owned()))
+        };
+        self.roots.iter().find_map(inside)
     }
 }
 
@@ -215,6 +262,8 @@ pub(super) enum Refusal {
     Absent,
     #[error("a graph reads files only beside itself or in a folder that you allowed (--allow DIR); refused")]
     Outside,
+    #[error("names a drive of Windows, and this system has none; name the file from the graph's folder on")]
+    Drive,
     #[error("is the name of a device")]
     Device,
     #[error("is not a regular file")]

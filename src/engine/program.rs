@@ -110,8 +110,11 @@ impl Program {
         })?;
         let requests = node.files();
         let found = self.sources.find(&requests).map_err(wrong)?;
+        let files: Vec<_> = found.iter().flatten().cloned().collect();
+        // Before the budgets: a file over a limit is not read, whatever may be used.
+        node.check_files(&files).map_err(wrong)?;
         let key = self.key(kind, &*node, &inputs, requests, &found).map_err(wrong)?;
-        let (reach, files) = (node.reach(), found.into_iter().flatten().collect());
+        let reach = node.reach();
         Ok(Step { name, kind, node, reach, inputs, files, key, reading: OnceLock::new() })
     }
 

@@ -34,6 +34,11 @@ pub trait AnyNode: Debug + Send + Sync {
     fn check(&self) -> Result<()>;
     /// See [`Node::files`].
     fn files(&self) -> Vec<FileRequest>;
+    /// See [`Node::check_files`].
+    ///
+    /// # Errors
+    /// Those of [`Node::check_files`].
+    fn check_files(&self, files: &[Arc<SourceFile>]) -> Result<()>;
     /// See [`Node::reading`].
     fn reading(&self, files: &[Arc<SourceFile>]) -> Cost;
     /// See [`Node::narrowest`].
@@ -81,6 +86,9 @@ impl<N: Node> AnyNode for N {
     }
     fn files(&self) -> Vec<FileRequest> {
         Node::files(self)
+    }
+    fn check_files(&self, files: &[Arc<SourceFile>]) -> Result<()> {
+        Node::check_files(self, files)
     }
     fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {
         Node::reading(self, files)
