@@ -12,7 +12,7 @@
 mod passing;
 
 use std::ffi::OsStr;
-use std::fs::File;
+use std::fs::{File, Permissions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -68,7 +68,7 @@ pub fn write<T, E: From<io::Error>>(
     known: Known<'_>,
     write: impl FnOnce(&mut File) -> Result<T, E>,
 ) -> Result<T, E> {
-    put(dir, name.as_ref(), known, write)
+    put(dir, name.as_ref(), known, None, write)
 }
 
 /// Writes a file of a folder as [`write()`] does, and reads it back for its stamp: what is hashed is what is on the disk.
@@ -80,7 +80,7 @@ pub fn write_stamped<T, E: From<io::Error>>(
     name: impl AsRef<OsStr>,
     write: impl FnOnce(&mut File) -> Result<T, E>,
 ) -> Result<(Stamp, T), E> {
-    put(dir, name.as_ref(), Known::Anything, |file| {
+    put(dir, name.as_ref(), Known::Anything, None, |file| {
         let given = write(file)?;
         Ok((stamp(file)?, given))
     })
@@ -92,10 +92,18 @@ pub fn write_stamped<T, E: From<io::Error>>(
 /// # Errors
 /// Those of the file system, [`Changed`] when the file is not what is known of it; it is then as it was.
 pub fn save(path: &Path, bytes: &[u8], known: Known<'_>) -> io::Result<()> {
+    save_like(path, bytes, known, None)
+}
+
+/// Writes some bytes as [`save()`] does; a new file gets the permissions of one that is gone, where they are known.
+///
+/// # Errors
+/// As [`save()`].
+pub fn save_like(path: &Path, bytes: &[u8], known: Known<'_>, gone: Option<Permissions>) -> io::Result<()> {
     let (folder, name) = place(path)?;
     let dir = Dir::open_ambient_dir(&folder, ambient_authority())?;
     sweep(&dir, |left| left.is_of(&name));
-    put(&dir, &name, known, |file| file.write_all(bytes))
+    put(&dir, &name, known, gone, |file| file.write_all(bytes))
 }
 
 /// Whether what has a name in a folder may be replaced: nothing, a link, a file that is not read-only.
@@ -180,6 +188,7 @@ fn put<T, E: From<io::Error>>(
     dir: &Dir,
     name: &OsStr,
     known: Known<'_>,
+    gone: Option<Permissions>,
     write: impl FnOnce(&mut File) -> Result<T, E>,
 ) -> Result<T, E> {
     let separates = |b: &u8| matches!(b, b'/' | b'\\' | b'\0');
@@ -190,9 +199,9 @@ fn put<T, E: From<io::Error>>(
     // Before the work as well: a refusal after it would come late.
     check(dir, name, known)?;
     let mut passing = Passing::make(dir, name)?;
-    if let Some(old) = old {
+    let old = old.map(|old| old.permissions().into_std(&passing.file)).transpose()?;
+    if let Some(permissions) = old.or(gone) {
         // At once, so that what only its owner may read is never open to others.
-        let permissions = old.permissions().into_std(&passing.file)?;
         passing.file.set_permissions(permissions)?;
     }
     let result = write(&mut passing.file)?;

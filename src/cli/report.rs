@@ -1,6 +1,7 @@
 //! The machine-readable report of a build: removed when the build starts, written last.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs::{Metadata, Permissions};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -11,7 +12,7 @@ use super::folder::Folder;
 use super::shared::{self, Part};
 use crate::engine::{Evaluation, TaskReport, process_peak, process_seconds};
 use crate::files::Tile;
-use crate::whole;
+use crate::whole::{self, Known};
 
 /// The name of the report in the folder of a build.
 pub(super) const REPORT: &str = "report.json";
@@ -23,6 +24,8 @@ pub(super) const STDOUT: &str = "-";
 pub(super) struct Report<'a> {
     path: PathBuf,
     folder: &'a Folder,
+    /// Those of the report that an earlier build left, which the new one gets.
+    permissions: Option<Permissions>,
     started: std::time::Instant,
     head: Map<String, Json>,
     /// What this build makes of a report that others share.
@@ -56,9 +59,11 @@ impl<'a> Report<'a> {
         head: Map<String, Json>,
         part: Option<Part>,
     ) -> Result<Self, Stop> {
+        let old = path.metadata().ok().filter(Metadata::is_file);
         let report = Self {
             path: path.to_owned(),
             folder,
+            permissions: old.map(|old| old.permissions()),
             started: std::time::Instant::now(),
             head,
             part,
@@ -183,7 +188,12 @@ impl<'a> Report<'a> {
         if self.is_printed() {
             return print_json(&report).map(|_| ());
         }
-        save(&self.path, json_text(&report).as_bytes())
+        let cannot = |e: io::Error| {
+            Stop::new(Exit::Failed, format!("cannot write the report {}: {e}", self.path.display()))
+        };
+        let text = json_text(&report);
+        whole::save_like(&self.path, text.as_bytes(), Known::Anything, self.permissions.take())
+            .map_err(cannot)
     }
 
     /// What this build did.

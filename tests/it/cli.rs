@@ -523,6 +523,18 @@ fn a_node_warns() {
     assert!(drawn.contains(warning), "{drawn}");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_report_keeps_its_mode() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let desk = Desk::new(&height());
+    assert_eq!(code(&desk.build(&[])), 0);
+    let report = desk.path("out/report.json");
+    std::fs::set_permissions(&report, std::fs::Permissions::from_mode(0o640)).unwrap();
+    assert_eq!(code(&desk.build(&[])), 0);
+    assert_eq!(report.metadata().unwrap().permissions().mode() & 0o777, 0o640);
+}
+
 /// A folder `home` with a graph of one height file, and the folders `home/heights`, `win` and `out_of_reach` with one.
 fn travelled(file: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
