@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::exit::Stop;
+use super::heed;
 use crate::engine::{DEFAULT_CACHE_BYTES, DEFAULT_SECONDS, Keep, Options, default_budget};
 use crate::value::{Bounds, Grid, Terrain};
 
@@ -33,14 +34,13 @@ pub(super) struct GraphArgs {
 impl GraphArgs {
     /// The options given that only a graph takes.
     pub(super) fn given(&self) -> impl Iterator<Item = &'static str> {
-        let given = [
+        heed::given([
             ("--set", !self.set.is_empty()),
             ("--vars", self.vars.is_some()),
             ("--seed", self.seed.is_some()),
             ("--base", self.base.is_some()),
             ("--allow", !self.allow.is_empty()),
-        ];
-        given.into_iter().filter_map(|(name, given)| given.then_some(name))
+        ])
     }
 
     /// Refuses options that a file of another kind would not heed.
@@ -49,12 +49,20 @@ impl GraphArgs {
         what: &str,
         given: impl IntoIterator<Item = &'a str>,
     ) -> Result<(), Stop> {
-        let given: Vec<_> = given.into_iter().collect();
-        if given.is_empty() {
-            return Ok(());
+        heed::refuse(given, format_args!("{what}, which {} is not", self.graph.display()))
+    }
+
+    /// Refuses to set a setting of the terrain in two ways, of which one would be ignored.
+    pub(super) fn refuse_doubles(&self) -> Result<(), Stop> {
+        let short = [("seed", self.seed.is_some()), ("base", self.base.is_some())];
+        let is_set = |name: &str| self.set.iter().any(|pair| pair.split('=').next() == Some(name));
+        let double = short.into_iter().find(|(name, given)| *given && is_set(&format!("terrain.{name}")));
+        match double {
+            None => Ok(()),
+            Some((name, _)) => {
+                Err(Stop::usage(format!("--{name} and --set terrain.{name} set the same; give one of them")))
+            }
         }
-        let (are, file) = (if given.len() == 1 { "is" } else { "are" }, self.graph.display());
-        Err(Stop::usage(format!("{} {are} for {what}, which {file} is not", given.join(", "))))
     }
 }
 
@@ -90,6 +98,12 @@ pub(super) struct EngineArgs {
 }
 
 impl EngineArgs {
+    /// Refuses options that would be ignored.
+    pub(super) fn refuse(&self) -> Result<(), Stop> {
+        let given = heed::given([("--cache-size", self.cache_size.is_some() && self.cache.is_none())]);
+        heed::refuse(given, "a cache folder; name one with --cache DIR")
+    }
+
     /// How many worker threads there will be.
     pub(super) fn threads(&self) -> usize {
         let all = || std::thread::available_parallelism().map_or(1, usize::from);

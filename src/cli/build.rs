@@ -76,6 +76,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
             "--backend gpu: no node kind of this version runs on the GPU; use --backend cpu or auto";
         return Err(Stop::new(Exit::Device, message));
     }
+    args.engine.refuse()?;
     let Opened { graph, files, problems, variables } = open::open(&args.graph, registry)?;
     for problem in &problems {
         tell(&format!("{}: {problem}", if problem.is_error() { "error" } else { "warning" }));

@@ -7,9 +7,9 @@ use cap_std::fs::Dir;
 
 use super::args::{parse_finite, parse_positive};
 use super::exit::{Exit, Stop, save, tell};
-use super::height;
 use super::sidecars::spare_sidecars;
-use crate::files::{Format, Watch, Writing, encode_file, sidecar_name};
+use super::{heed, height};
+use crate::files::{Codec, Format, Watch, Writing, encode_file, sidecar_name};
 use crate::node::Cancel;
 use crate::whole::{self, Known};
 
@@ -31,10 +31,10 @@ pub(super) struct Args {
     /// Writes the rows from south to north
     #[arg(long)]
     flip: bool,
-    /// Metres a unit of the file, for files that do not say
+    /// Factor on the heights as they are read: metres a unit of a file that does not say
     #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = parse_positive, allow_hyphen_values = true)]
     height_scale: f64,
-    /// Metres at zero of the file
+    /// Metres added to the heights after that
     #[arg(long, value_name = "METRES", default_value_t = 0.0, value_parser = parse_finite, allow_hyphen_values = true)]
     height_offset: f64,
     #[command(flatten)]
@@ -47,10 +47,11 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
-    let name = args.output.file_name().map(|n| n.to_string_lossy().into_owned());
-    let name = name.ok_or_else(|| Stop::usage(format!("{} is not a file name", args.output.display())))?;
-    let format = args.format.or_else(|| Format::of_name(&name));
-    let format = format.ok_or_else(|| Stop::usage(format!("`{name}` names no format; say --format")))?;
+    let name = name(&args.output)?;
+    let format = format(args.format, &name)?;
+    let of_integers = heed::given([("--range", args.range.is_some()), ("--clip", args.clip)]);
+    let of_integers = of_integers.filter(|_| !format.is_integer());
+    heed::refuse(of_integers, format_args!("formats of integers, which {format} is not"))?;
     let range = args.range.as_deref().map(range).transpose()?;
     let same =
         |a: &Path, b: &Path| a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b);
@@ -63,7 +64,8 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     if format.has_sidecar(1) {
         spare_sidecars(&args.output, std::slice::from_ref(&args.input), args.overwrite)?;
     }
-    let mut file = height::read(&args.input, &args.read.reading(), args.memory.budget(), 0, cancel)?;
+    let mut file =
+        height::read(&args.input, &args.read.reading(&args.input)?, args.memory.budget(), 0, cancel)?;
     let (scale, offset) = (args.height_scale, args.height_offset);
     if (scale, offset) != (1.0, 0.0) {
         file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
@@ -88,6 +90,37 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     }
     file.origin.notes.iter().chain(&written.notes).for_each(|n| tell(&format!("note: {n}")));
     Ok(Exit::Done)
+}
+
+/// The name of a file that is written.
+fn name(path: &Path) -> Result<String, Stop> {
+    let name =
+        path.file_name().ok_or_else(|| Stop::usage(format!("{} is not a file name", path.display())))?;
+    // It stands in a sidecar, which is text.
+    let text = name.to_str().ok_or_else(|| {
+        Stop::usage(format!("the name of the output must be text in UTF-8, got `{}`", name.display()))
+    })?;
+    Ok(text.to_owned())
+}
+
+/// The format that is asked for, or that a name asks for, where the two do not contradict each other.
+fn format(asked: Option<Format>, name: &str) -> Result<Format, Stop> {
+    let Some(format) = asked else {
+        let format = Format::of_name(name);
+        return format.ok_or_else(|| Stop::usage(format!("`{name}` names no format; say --format")));
+    };
+    let codec = format.codec();
+    let is_raw = |codec: &Codec| codec.extensions.contains(&"r16") || codec.extensions.contains(&"r32");
+    let is_any_raw = is_raw(codec) && name.to_ascii_lowercase().ends_with(".raw");
+    match Codec::of_name(name).filter(|named| *named != codec && !is_any_raw) {
+        None => Ok(format),
+        Some(named) => Err(Stop::usage(format!(
+            "`{name}` is the name of a file of {}, and --format {format} writes {}; end it in .{}",
+            named.name,
+            codec.name,
+            codec.extension()
+        ))),
+    }
 }
 
 fn range(text: &str) -> Result<[f64; 2], Stop> {

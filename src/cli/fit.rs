@@ -7,7 +7,7 @@ use serde_json::{Value as Json, json};
 use super::args::parse_positive;
 use super::exit::{Exit, Stop, print_lines, save_known};
 use super::height::{self, MemoryArgs, ReadArgs};
-use super::open;
+use super::{heed, open};
 use crate::files::{Fit, HeightFile, Placed, Placing, Units};
 use crate::graph::{Graph, NodeId, Place, Problem};
 use crate::node::Cancel;
@@ -28,7 +28,7 @@ pub(super) struct Args {
     /// Samples along the longer side of the base grid, about [default: as the graph has]
     #[arg(long, value_name = "N")]
     base: Option<u32>,
-    /// Metres between the samples of a file that does not say
+    /// Metres between the samples, whatever the file says
     #[arg(long, value_name = "METRES", value_parser = parse_positive, allow_hyphen_values = true)]
     cell: Option<f64>,
     #[command(flatten)]
@@ -47,6 +47,8 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
+    let dry = heed::given([("-o", args.dry_run && args.out.is_some())]);
+    heed::refuse(dry, "a graph that is written, and --dry-run writes none")?;
     let target = args.out.as_ref().unwrap_or(&args.graph);
     let is_other = target != &args.graph && target.symlink_metadata().is_ok();
     if is_other && !args.overwrite {
@@ -57,7 +59,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let mut graph = open::load(&args.graph, registry)?;
     let before = std::fs::read(&args.graph).map_err(cannot)?;
     let nodes = nodes(&graph, args)?;
-    let reading = nodes.iter().fold(args.read.reading(), |r, (_, node)| r.or(&node.reading_as()));
+    let reading = nodes.iter().fold(args.read.reading(&args.file)?, |r, (_, node)| r.or(&node.reading_as()));
     let file = height::read(&args.file, &reading, args.memory.budget(), 0, cancel)?;
     let mut fitting = Fitting { graph: &mut graph, lines: Vec::new(), refused: None };
     fitting.terrain(&file, args, &nodes)?;

@@ -9,10 +9,11 @@ use clap::ValueEnum;
 
 use super::args::{parse_bytes, parse_finite};
 use super::exit::{Exit, Stop};
+use super::heed;
 use crate::engine::default_budget;
 use crate::files::{
-    ByteOrder, Claim, Companion, Encoding, Fault, HeightFile, Input, LONGEST_SIDECAR, Limits, RawSample,
-    Reading, Watch, companions,
+    ByteOrder, Claim, Codec, Companion, Encoding, Fault, HeightFile, Input, LONGEST_SIDECAR, Limits,
+    RawSample, Reading, Watch, companions,
 };
 use crate::node::Cancel;
 use crate::source::ReadAt;
@@ -62,20 +63,47 @@ fn sample(text: &str) -> Result<RawSample, String> {
 impl ReadArgs {
     /// The options that were given, by name.
     pub(super) fn given(&self) -> impl Iterator<Item = &'static str> {
-        let given = [
-            ("--terrarium", self.terrarium),
-            ("--terrain-rgb", self.terrain_rgb),
-            ("--channel", self.channel.is_some()),
-            ("--nodata", self.nodata.is_some()),
+        let nodata = [("--nodata", self.nodata.is_some())];
+        heed::given(self.of_pictures())
+            .chain(heed::given(self.of_bands()))
+            .chain(heed::given(self.of_raw()))
+            .chain(heed::given(nodata))
+    }
+
+    fn of_pictures(&self) -> [(&'static str, bool); 2] {
+        [("--terrarium", self.terrarium), ("--terrain-rgb", self.terrain_rgb)]
+    }
+
+    fn of_bands(&self) -> [(&'static str, bool); 1] {
+        [("--channel", self.channel.is_some())]
+    }
+
+    fn of_raw(&self) -> [(&'static str, bool); 3] {
+        [
             ("--byte-order", self.byte_order.is_some()),
             ("--sample", self.sample.is_some()),
             ("--cols", self.cols.is_some()),
-        ];
-        given.into_iter().filter_map(|(name, given)| given.then_some(name))
+        ]
+    }
+
+    /// How a file is read; refuses options that its format does not heed.
+    pub(super) fn reading(&self, path: &Path) -> Result<Reading, Stop> {
+        let codec = Codec::of_name(&path.to_string_lossy());
+        // What no reader knows is refused by name.
+        let is_of = |extensions: &[&str]| codec.is_none_or(|c| extensions.contains(&c.extension()));
+        let refuse = |given: &mut dyn Iterator<Item = &'static str>, what: &str, extensions: &[&str]| {
+            let given = given.filter(|_| !is_of(extensions));
+            heed::refuse(given, format_args!("{what}, which {} is not", path.display()))
+        };
+        refuse(&mut heed::given(self.of_pictures()), "a PNG", &["png"])?;
+        let bands = "a file of channels or bands (OpenEXR, TIFF, BIL, PFM)";
+        refuse(&mut heed::given(self.of_bands()), bands, &["exr", "tif", "bil", "pfm"])?;
+        refuse(&mut heed::given(self.of_raw()), "a raw file", &["r16", "r32"])?;
+        Ok(self.as_given())
     }
 
     /// The same for the readers.
-    pub(super) fn reading(&self) -> Reading {
+    fn as_given(&self) -> Reading {
         let encoding = match (self.terrarium, self.terrain_rgb) {
             (true, _) => Encoding::Terrarium,
             (_, true) => Encoding::TerrainRgb,

@@ -45,7 +45,7 @@ pub(super) fn is_graph(path: &Path) -> bool {
 
 fn height_file(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     let path = &args.graph.graph;
-    let file = height::read(path, &args.read.reading(), args.memory.budget(), 0, cancel)?;
+    let file = height::read(path, &args.read.reading(path)?, args.memory.budget(), 0, cancel)?;
     let info = Info::of(&path.to_string_lossy(), &file);
     if args.json { print_json(&json!(info)) } else { print_lines(info.to_string().lines()) }
 }

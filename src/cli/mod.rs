@@ -7,6 +7,7 @@ mod convert;
 mod exit;
 mod fit;
 mod folder;
+mod heed;
 mod height;
 mod info;
 mod job;
@@ -132,13 +133,35 @@ fn refuse(error: clap::Error, words: &[OsString]) -> Exit {
         return Exit::Done;
     }
     // The message quotes the words: it is made once more of words that can be printed.
-    let shown = words.iter().map(|w| printable(&w.to_string_lossy()).into_owned());
-    match Cli::try_parse_from(shown) {
-        Err(shown) if shown.use_stderr() => _ = shown.print(),
+    let shown: Vec<_> = words.iter().map(|w| printable(&w.to_string_lossy()).into_owned()).collect();
+    let asks_for_json = asks_for_json(&shown);
+    let said = match Cli::try_parse_from(shown) {
+        Err(shown) if shown.use_stderr() => {
+            let _ = shown.print();
+            shown.to_string()
+        }
         // Words that were no text at all may be fine as they are shown.
-        _ => exit::tell(error.to_string().trim_end()),
+        _ => {
+            exit::tell(error.to_string().trim_end());
+            error.to_string()
+        }
+    };
+    if asks_for_json {
+        let _ = exit::print_json(&json!({ "error": fault(&said), "exit": Exit::Usage.code() }));
     }
     Exit::Usage
+}
+
+/// Whether words that are no command line ask for JSON.
+fn asks_for_json(words: &[String]) -> bool {
+    words.iter().take_while(|word| *word != "--").any(|word| word == "--json")
+}
+
+/// What is wrong with a command line, without the lines on how it is to be.
+fn fault(said: &str) -> &str {
+    let said = said.split("\n\nUsage:").next().unwrap_or_default();
+    let said = said.split("\n\nFor more information").next().unwrap_or_default().trim();
+    said.strip_prefix("error: ").unwrap_or(said)
 }
 
 /// Asks the work to stop at the first signal and ends the process at the second.

@@ -58,6 +58,7 @@ fn folder_of(graph: &Path) -> &Path {
 
 /// Reads the graph and applies `--set`, `--vars`, `--seed` and `--base`.
 pub(super) fn open(args: &GraphArgs, registry: &Registry) -> Result<Opened, Stop> {
+    args.refuse_doubles()?;
     let mut graph = load(&args.graph, registry)?;
     let mut files = Files::default();
     files

@@ -57,6 +57,7 @@ pub(super) fn want(graph: &Graph, output: &str, grid: Grid) -> Result<Want, crat
 }
 
 pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
+    args.engine.refuse()?;
     let Opened { graph, files, problems, .. } = open::open(&args.graph, registry)?;
     let (whole, window) = args.grid.grids(graph.terrain())?;
     // All tiles are alike; a build is admitted by its largest.

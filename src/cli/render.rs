@@ -6,13 +6,13 @@ use clap::ValueEnum;
 
 use super::args::{EngineArgs, GraphArgs, GridArgs, parse_positive};
 use super::exit::{Exit, Stop, save, spare_inputs, tell};
-use super::height;
 use super::info::is_graph;
 use super::open::{self, Opened};
 use super::plan::{chosen, want};
 use super::progress::{Mode, Progress};
 use super::reserve::reserve;
 use super::sidecars::spare_heights;
+use super::{heed, height};
 use crate::engine::{Engine, Options, Want};
 use crate::files::{Limits, Squared, fill_voids};
 use crate::graph::{Graph, Source};
@@ -60,9 +60,9 @@ pub(super) struct Args {
     /// Depth of cast shadows, 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
     shadow: f64,
-    /// Thickness of the air in a perspective
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
-    haze: f64,
+    /// Thickness of the air in a perspective [default: 1]
+    #[arg(long, value_name = "FACTOR")]
+    haze: Option<f64>,
     /// Exposure, in stops
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true)]
     exposure: f64,
@@ -84,10 +84,10 @@ pub(super) struct Args {
     /// What lies where the terrain ends: block or haze
     #[arg(long, value_name = "EDGE")]
     edge: Option<String>,
-    /// Metres a unit of a height file that does not say
+    /// Factor on the heights of a height file: metres a unit of one that does not say
     #[arg(long, value_name = "METRES", value_parser = parse_positive, allow_hyphen_values = true)]
     height_scale: Option<f64>,
-    /// Metres between the samples of a height file that does not say
+    /// Metres between the samples of a height file, whatever it says
     #[arg(long, value_name = "METRES", value_parser = parse_positive, allow_hyphen_values = true)]
     cell: Option<f64>,
     #[command(flatten)]
@@ -153,25 +153,49 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
 }
 
 impl Args {
-    /// Refuses options that would be ignored: those for graphs with a height file, and the other way round.
+    /// Refuses options that would be ignored: those of the other view, those for graphs with a height file, and the
+    /// other way round.
     fn refuse(&self) -> Result<(), Stop> {
-        let named = |options: &[(&'static str, bool)]| -> Vec<&'static str> {
-            options.iter().filter_map(|(name, given)| given.then_some(*name)).collect()
-        };
+        self.refuse_of_view()?;
+        self.engine.refuse()?;
         if is_graph(&self.graph.graph) {
-            let given =
-                named(&[("--height-scale", self.height_scale.is_some()), ("--cell", self.cell.is_some())]);
-            return self.graph.refuse("height files", given.into_iter().chain(self.read.given()));
+            let given = heed::given([
+                ("--height-scale", self.height_scale.is_some()),
+                ("--cell", self.cell.is_some()),
+            ]);
+            return self.graph.refuse("height files", given.chain(self.read.given()));
         }
-        let given = named(&[
+        let given = heed::given([
             ("--output", self.output.is_some()),
             ("--color", self.color.is_some()),
             ("--size", self.grid.size.is_some()),
             ("--region", self.grid.region.is_some()),
             ("--cache", self.engine.cache.is_some()),
             ("--cache-size", self.engine.cache_size.is_some()),
+            ("--time", self.engine.time.is_some()),
         ]);
         self.graph.refuse("graphs", self.graph.given().chain(given))
+    }
+
+    /// Refuses options that the view does not heed.
+    fn refuse_of_view(&self) -> Result<(), Stop> {
+        match self.view {
+            View::Map => {
+                let given = heed::given([
+                    ("--height", self.height.is_some()),
+                    ("--haze", self.haze.is_some()),
+                    ("--camera", self.camera.is_some()),
+                    ("--distance", self.distance.is_some()),
+                    ("--look-at", self.look_at.is_some()),
+                    ("--edge", self.edge.is_some()),
+                ]);
+                heed::refuse(given, "a perspective, and a map is drawn; say --view perspective with it")
+            }
+            View::Perspective => {
+                let given = heed::given([("--contours", self.contours.is_some())]);
+                heed::refuse(given, "a map, and a perspective is drawn")
+            }
+        }
     }
 }
 
@@ -310,7 +334,7 @@ fn greys(values: &Field) -> Colors {
 fn from_file(args: &Args, cancel: &Cancel) -> Result<Subject, Stop> {
     let path: &Path = &args.graph.graph;
     let budget = args.engine.options().memory;
-    let mut file = height::read(path, &args.read.reading(), budget, DRAWING, cancel)?;
+    let mut file = height::read(path, &args.read.reading(path)?, budget, DRAWING, cancel)?;
     file.origin.notes.iter().for_each(|n| tell(&format!("note: {n}")));
     fill_voids(file.cols, file.rows, &mut file.data);
     if let Some(scale) = args.height_scale {
@@ -356,7 +380,7 @@ fn draw(args: &Args, subject: &Subject, cancel: &Cancel) -> Result<Picture, Stop
     }
     scene.exaggeration = args.exaggeration;
     scene.shadow = args.shadow;
-    scene.haze = args.haze;
+    scene.haze = args.haze.unwrap_or(scene.haze);
     scene.exposure = args.exposure;
     scene.contours = args.contours;
     if subject.flat {
