@@ -720,6 +720,20 @@ fn a_file_named_on_the_command_line_may_have_separators_of_windows() {
     assert_eq!(code(&built), 0, "{}", said(&built));
 }
 
+#[cfg(unix)]
+#[test]
+fn fitting_knows_the_node_that_names_the_file_as_on_windows() {
+    let folder = travelled("");
+    let node = |file: &str| json!({ "kind": "import_height", "set": { "file": file } });
+    let nodes = json!({ "one": node("b.asc"), "two": node("heights\\a.asc") });
+    std::fs::write(folder.path().join("home/a.graph"), json!({ "orograph": 1, "nodes": nodes }).to_string())
+        .unwrap();
+    let [graph, heights] = ["home/a.graph", "home/heights/a.asc"].map(|name| text(&folder.path().join(name)));
+    let fitted = run(&["fit", &graph, &heights, "--dry-run", "--cell", "100"]);
+    assert_eq!(code(&fitted), 0, "{}", said(&fitted));
+    assert!(said(&fitted).contains("terrain.width"), "{}", said(&fitted));
+}
+
 /// An input that is found in an allowed folder, or by a name of another system, is spared as any other.
 #[cfg(unix)]
 #[test]

@@ -332,6 +332,10 @@ fn the_place_of_json_fg_counts_before_the_geometry() {
     let on_earth = Place { origin: [380_000.0, 3_800_000.0], epsg: Some(32611), ..place() };
     let got = json(text, &on_earth, &plain()).expect("curves");
     assert_eq!((corners(&got), got.warnings.len()), (vec![vec![[200, 200], [260, 200]]], 0));
+    // A `place` of somebody else's is none.
+    let text = r#"{"type":"Feature","properties":{},"place":{"name":"here"},
+        "geometry":{"type":"LineString","coordinates":[[200,-200],[800,-200]]}}"#;
+    assert_eq!(corners(&json(text, &place(), &plain()).expect("curves")), [[[200, 200], [800, 200]]]);
 }
 
 #[test]

@@ -223,7 +223,8 @@ impl Reader<'_> {
         };
         let ground = self.ground_of(&feature.lies, self.ground, called)?;
         let common = Common { feature, ground, ring: false };
-        let place = feature.place.as_ref().filter(|place| matches!(place, Member::Here(_)));
+        let is_geometry = |place: &&Member<Geometry>| matches!(place, Member::Here(g) if g.kind.is_some());
+        let place = feature.place.as_ref().filter(is_geometry);
         match place.or(feature.geometry.as_ref()) {
             Some(Member::Here(geometry)) => self.geometry(geometry, common, called),
             Some(Member::Other(Item::Null)) | None => {

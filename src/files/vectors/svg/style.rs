@@ -180,7 +180,9 @@ impl<'s> Sheet<'s> {
         for selector in parts(selectors, ',') {
             let parts = simples(selector).filter(|p| p.len() == 1 || self.compound.len() < MAX_COMPOUNDS);
             let Some(parts) = parts else {
-                tally.add(Notice::Style, || format!("the rules of `{}` in the style sheet", short(selector)));
+                tally.add(Notice::Style, || {
+                    format!("the rules of `{}` in the style sheet", short(selector.trim()))
+                });
                 continue;
             };
             let weight = parts.iter().fold(0_u32, |sum, part| sum.saturating_add(part.weight()));
