@@ -27,7 +27,7 @@ impl Default for Limits {
     }
 }
 
-/// More than any compression of heights in use can squeeze out of a byte; deflate reaches 1032.
+/// More than deflate, run lengths and JPEG can squeeze out of a byte; a TIFF says what its own compression can.
 const MOST_COMPRESSED: u64 = 4096;
 
 impl Limits {

@@ -4,6 +4,7 @@ mod budgets;
 mod cases;
 mod crates;
 mod dem;
+mod field;
 mod foreign;
 mod hostile;
 mod import;

@@ -17,9 +17,7 @@ pub(super) fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
     let directory = Directory::first(input.bytes)?;
     let layout = Layout::of(&directory, input.limits)?;
     let chunks = Chunks::check(&directory, &layout)?;
-    // Of a tile that juts out over the border only the inside counts: it may be mostly filling.
-    let claimed = ((layout.cols * layout.rows) as u64).saturating_mul(layout.kind.bits()) / 8;
-    Limits::plausible(claimed, input.bytes.len())?;
+    Chunks::plausible(&directory, &layout)?;
     let working = layout.working_bytes().saturating_mul(rayon::current_num_threads() as u64);
     Claim::new(
         input,

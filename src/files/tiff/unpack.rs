@@ -39,6 +39,23 @@ impl Compression {
         })
     }
 
+    /// The most bytes that a byte of a file can be unpacked to.
+    pub(super) fn most(self) -> u64 {
+        match self {
+            Self::None => 1,
+            // 128 times a byte, in two.
+            Self::PackBits => 64,
+            // 258 bytes again, in two bits.
+            Self::Deflate => 1032,
+            // The longest string of a full table, 3838 bytes, in twelve bits.
+            Self::Lzw => 2560,
+            // 273 bytes again, in a third of a bit.
+            Self::Lzma => 8192,
+            // A block of 128 KiB of one value, in four bytes.
+            Self::Zstd => 32768,
+        }
+    }
+
     /// The most bytes that unpacking takes beside what is packed and what is wanted of it.
     pub(super) fn working_bytes(self, want: u64) -> u64 {
         match self {
