@@ -35,7 +35,10 @@ pub trait AnyNode: Debug + Send + Sync {
     /// See [`Node::files`].
     fn files(&self) -> Vec<FileRequest>;
     /// See [`Node::reading`].
-    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost;
+    ///
+    /// # Errors
+    /// Those of [`Node::reading`].
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost>;
     /// See [`Node::narrowest`].
     fn narrowest(&self) -> Option<f64>;
     /// Whether the node needs a summary.
@@ -82,7 +85,7 @@ impl<N: Node> AnyNode for N {
     fn files(&self) -> Vec<FileRequest> {
         Node::files(self)
     }
-    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
         Node::reading(self, files)
     }
     fn narrowest(&self) -> Option<f64> {

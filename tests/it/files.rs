@@ -10,6 +10,7 @@ mod hostile;
 mod import;
 mod pictures;
 mod round_trip;
+mod stop;
 mod table;
 
 use orograph::files::{HeightFile, Limits, WriteJob, Writing, encode, read_height};
