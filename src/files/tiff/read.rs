@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::super::error::Fault;
-use super::super::height::{HeightFile, Limits, Origin, room};
+use super::super::error::{Fault, known_bands};
+use super::super::height::{HeightFile, Limits, Origin, filled};
 use super::super::input::{Claim, Input};
 use super::super::place::Placement;
 use super::super::voids::strike;
+use super::super::watch::Watch;
 use super::super::world;
 use super::ifd::Directory;
 use super::layout::{Chunks, Layout};
@@ -31,8 +32,7 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let picture = Picture::open(Directory::first(input.bytes)?, input.limits)?;
     let layout = &picture.layout;
     let band = band(layout, input.reading.channel.as_deref())?;
-    let mut data = room(layout.cols * layout.rows)?;
-    data.resize(layout.cols * layout.rows, 0f32);
+    let mut data = filled(layout.cols * layout.rows, 0.0, &input.watch)?;
     let metadata = gdal::Metadata::of(&picture.directory)?;
     let nodata = picture.directory.text(tag::GDAL_NODATA)?.and_then(|t| gdal::number(&t));
     picture.heights(input, band, nodata, &mut data)?;
@@ -47,7 +47,7 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     strike(&mut data, input.reading.nodata);
     let keys = geo::Keys::of(&picture.directory)?;
     let size = [layout.cols, layout.rows];
-    let mut placement = geo::placement(&picture.directory, &keys, size)?;
+    let mut placement = geo::placement(&picture.directory, &keys, size, &mut origin.notes)?;
     let mut unit = geo::unit_of_heights(&keys, &metadata, band, &mut origin.notes);
     if placement.affine.is_none() {
         let beside = world::placement(input, size, &mut origin.notes);
@@ -82,10 +82,9 @@ fn band(layout: &Layout, asked: Option<&str>) -> Result<usize, Fault> {
         };
     };
     let number = asked.parse().ok().filter(|n| (1..=layout.bands).contains(n));
-    number.map(|n: usize| n - 1).ok_or_else(|| Fault::Channel {
-        asked: asked.to_owned(),
-        known: if layout.bands == 1 { "band 1".into() } else { format!("bands 1 to {}", layout.bands) },
-    })
+    number
+        .map(|n: usize| n - 1)
+        .ok_or_else(|| Fault::Channel { asked: asked.to_owned(), known: known_bands(layout.bands as u64) })
 }
 
 /// Turns a file around whose rows run from south to north by its own coordinates.
@@ -212,7 +211,7 @@ impl<'a> Picture<'a> {
         lines.try_for_each_init(Scratch::default, |scratch, (j, out)| {
             for i in 0..layout.across()[0] {
                 input.watch.go_on()?;
-                self.chunk(band, [i, j], scratch, out, &put, &miss)?;
+                self.chunk(input.watch, band, [i, j], scratch, out, &put, &miss)?;
             }
             Ok(())
         })
@@ -220,6 +219,7 @@ impl<'a> Picture<'a> {
 
     fn chunk(
         &self,
+        watch: Watch<'_>,
         band: usize,
         [i, j]: [usize; 2],
         scratch: &mut Scratch,
@@ -241,13 +241,15 @@ impl<'a> Picture<'a> {
             packed.iter_mut().for_each(|b| *b = b.reverse_bits());
         }
         let (line, rows) = (layout.line(), outs.len());
-        let (want, found) = (line * rows, layout.compression.unpack(packed, line * rows, unpacked)?);
+        let want = line * rows;
+        let found = layout.compression.unpack(packed, want, unpacked, &watch)?;
         if found < want {
             let what = if layout.tiled { "an unpacked tile" } else { "an unpacked strip" };
             return Err(Fault::Short { what, want: want as u64, found: found as u64 });
         }
         let how = layout.row(band);
         for (line, out) in unpacked.chunks_exact(line).zip(outs) {
+            watch.go_on()?;
             row.clear();
             row.extend_from_slice(line);
             how.unpredict(layout.predictor, row);
