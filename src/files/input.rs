@@ -125,14 +125,14 @@ impl<'a> Input<'a> {
         self.watch.go_on()?;
         (codec.claim)(self)?;
         let mut file = (codec.read)(self)?;
-        pam::apply(self, &mut file);
-        on_the_globe(&mut file);
         self.watch.go_on()?;
         // Those readers that scale have done so before; for others it changes nothing.
         if file.origin.nodata.is_none() {
             strike(&mut file.data, self.reading.nodata);
             file.origin.nodata = self.reading.nodata;
         }
+        pam::apply(self, &mut file);
+        on_the_globe(&mut file);
         // One rule for all formats, on the numbers as they are kept: what is read once reads the same again.
         let is_height = |v: &f32| v.abs() <= FARTHEST;
         file.data.par_chunks_mut(1 << 16).for_each(|chunk| {

@@ -34,33 +34,32 @@ pub(super) fn apply(input: &Input<'_>, file: &mut HeightFile) {
         file.origin.notes.push("the `.aux.xml` beside it is not understood".into());
         return;
     };
-    if let Some(code) = band.nodata.filter(|_| file.origin.nodata.is_none()) {
-        strike(&mut file.data, Some(code));
-        file.origin.nodata = Some(code);
-        file.origin.notes.push(format!("{code} marks voids, as the `.aux.xml` beside it says"));
-    }
     let unit = epsg::metres_of_word(&band.unit);
-    if let (None, false) = (unit, band.unit.is_empty()) {
-        let note = format!(
-            "the unit of the `.aux.xml` beside it, \"{}\", is not known: it is taken for metres",
-            band.unit
-        );
+    if unit.is_none() && !band.unit.is_empty() {
+        let word = &band.unit;
+        let note =
+            format!("the unit of the `.aux.xml` beside it, \"{word}\", is not known: it is taken for metres");
         file.origin.notes.push(note);
     }
-    let scaled = band.scale.is_some() || band.offset.is_some();
-    if !scaled && unit.is_none() {
-        return;
-    }
-    // The word of the file itself goes first.
+    let nodata = band.nodata.filter(|_| file.origin.nodata.is_none());
+    let (factor, summand) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
+    let scales = (factor, summand, unit.unwrap_or(1.0)) != (1.0, 0.0, 1.0);
+    // The word of the file itself goes first, and its numbers are no longer those that the other one speaks of.
     if !file.origin.plain {
-        file.origin
-            .notes
-            .push("scale and unit of the `.aux.xml` beside it are not read: it has its own".into());
+        if scales || nodata.is_some() {
+            let note = "scale, unit and nodata of the `.aux.xml` beside it are not read: the file has a scale of its own";
+            file.origin.notes.push(note.into());
+        }
         return;
     }
-    let unit = unit.unwrap_or(1.0);
-    file.scale(band.scale.unwrap_or(1.0) * unit, band.offset.unwrap_or(0.0) * unit);
-    file.metres = true;
+    if let Some(code) = nodata {
+        strike(&mut file.data, nodata);
+        file.origin.nodata = nodata;
+        file.origin.notes.push(format!("{code} marks voids, as the `.aux.xml` beside it says"));
+    }
+    let metres = unit.unwrap_or(1.0);
+    file.scale(factor * metres, summand * metres);
+    file.metres |= scales || unit.is_some();
 }
 
 impl Band {

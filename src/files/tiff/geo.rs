@@ -69,7 +69,11 @@ impl Keys {
 
     /// Whether coordinates are projected, in whatever system.
     fn is_projected(&self) -> bool {
-        self.code(key::MODEL_TYPE) == Some(1) || self.code(key::PROJECTED).is_some()
+        match self.code(key::MODEL_TYPE) {
+            Some(1) => true,
+            Some(2) => false,
+            _ => self.code(key::PROJECTED).is_some_and(|code| code != 0),
+        }
     }
 
     /// The name of the vertical system, where it counts downwards.

@@ -29,20 +29,20 @@ pub(super) fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
 
 /// Reads the first picture of a file.
 pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
-    let picture = Picture::open(Directory::first(input.bytes)?, input.limits)?;
+    let picture = Picture::open(Directory::first(input.bytes)?, input.limits, input.watch)?;
     let layout = &picture.layout;
     let band = band(layout, input.reading.channel.as_deref())?;
     let mut data = filled(layout.cols * layout.rows, 0.0, &input.watch)?;
     let metadata = gdal::Metadata::of(&picture.directory)?;
     let nodata = picture.directory.text(tag::GDAL_NODATA)?.and_then(|t| gdal::number(&t));
-    picture.heights(input, band, nodata, &mut data)?;
+    picture.heights(band, nodata, &mut data)?;
     let mut origin = Origin::new(&CODEC, layout.kind.name());
     origin.nodata = nodata;
     origin.bands = layout.bands;
     if layout.bands > 1 {
         origin.notes.push(format!("{} bands, of which number {} is read", layout.bands, band + 1));
     }
-    picture.clear(input, band, &mut data, &mut origin)?;
+    picture.clear(input.limits, band, &mut data, &mut origin)?;
     origin.nodata = origin.nodata.or(input.reading.nodata);
     strike(&mut data, input.reading.nodata);
     let keys = geo::Keys::of(&picture.directory)?;
@@ -105,6 +105,7 @@ struct Picture<'a> {
     directory: Directory<'a>,
     layout: Layout,
     chunks: Chunks,
+    watch: Watch<'a>,
 }
 
 /// What a thread unpacks into.
@@ -116,21 +117,15 @@ struct Scratch {
 }
 
 impl<'a> Picture<'a> {
-    fn open(directory: Directory<'a>, limits: &Limits) -> Result<Self, Fault> {
+    fn open(directory: Directory<'a>, limits: &Limits, watch: Watch<'a>) -> Result<Self, Fault> {
         let layout = Layout::of(&directory, limits)?;
         Chunks::check(&directory, &layout)?;
         let chunks = Chunks::of(&directory, &layout)?;
-        Ok(Self { directory, layout, chunks })
+        Ok(Self { directory, layout, chunks, watch })
     }
 
     /// Reads the heights of a band, voids as NaN.
-    fn heights(
-        &self,
-        input: &Input<'_>,
-        band: usize,
-        nodata: Option<f64>,
-        data: &mut [f32],
-    ) -> Result<(), Fault> {
+    fn heights(&self, band: usize, nodata: Option<f64>, data: &mut [f32]) -> Result<(), Fault> {
         // A float nodata is written with fewer digits than it has, so floats are compared as f32.
         let code = match nodata {
             Some(v) if self.layout.kind.is_float() => f64::from(v as f32),
@@ -142,13 +137,13 @@ impl<'a> Picture<'a> {
             let void = v == code || f64::from(v as f32) == code;
             *o = if void { f32::NAN } else { v as f32 };
         };
-        self.each(input, band, data, put, |out| out.fill(missing))
+        self.each(band, data, put, |out| out.fill(missing))
     }
 
     /// Makes voids where a mask or an alpha band of the file says that there is nothing.
     fn clear(
         &self,
-        input: &Input<'_>,
+        limits: &Limits,
         band: usize,
         data: &mut [f32],
         origin: &mut Origin,
@@ -160,12 +155,12 @@ impl<'a> Picture<'a> {
         };
         let all_void = |out: &mut [f32]| out.fill(f32::NAN);
         if let Some(alpha) = self.alpha()?.filter(|a| *a != band) {
-            self.each(input, alpha, data, zero_is_void, all_void)?;
+            self.each(alpha, data, zero_is_void, all_void)?;
             origin.notes.push(format!("band {} is alpha: what is clear in it is void", alpha + 1));
         }
-        let Some(mask) = self.mask(input.limits) else { return Ok(()) };
+        let Some(mask) = self.mask(limits) else { return Ok(()) };
         let mask = mask?;
-        mask.each(input, 0, data, zero_is_void, all_void)?;
+        mask.each(0, data, zero_is_void, all_void)?;
         origin.notes.push("a mask in the file says where it is void".into());
         Ok(())
     }
@@ -192,14 +187,13 @@ impl<'a> Picture<'a> {
                 && size == [self.layout.cols, self.layout.rows].map(|n| Some(n as u64))
         };
         let found = self.directory.others().into_iter().find(is_mask)?;
-        Some(Self::open(found, limits))
+        Some(Self::open(found, limits, self.watch))
     }
 
     /// Gives each sample of a band to `put`, with its place in the data, and each run of samples that the file leaves
     /// out to `miss`.
     fn each(
         &self,
-        input: &Input<'_>,
         band: usize,
         data: &mut [f32],
         put: impl Fn(f64, &mut f32) + Sync,
@@ -210,8 +204,8 @@ impl<'a> Picture<'a> {
         let lines = data.par_chunks_mut(layout.cols * rows_of_chunk).enumerate();
         lines.try_for_each_init(Scratch::default, |scratch, (j, out)| {
             for i in 0..layout.across()[0] {
-                input.watch.go_on()?;
-                self.chunk(input.watch, band, [i, j], scratch, out, &put, &miss)?;
+                self.watch.go_on()?;
+                self.chunk(band, [i, j], scratch, out, &put, &miss)?;
             }
             Ok(())
         })
@@ -219,7 +213,6 @@ impl<'a> Picture<'a> {
 
     fn chunk(
         &self,
-        watch: Watch<'_>,
         band: usize,
         [i, j]: [usize; 2],
         scratch: &mut Scratch,
@@ -242,14 +235,14 @@ impl<'a> Picture<'a> {
         }
         let (line, rows) = (layout.line(), outs.len());
         let want = line * rows;
-        let found = layout.compression.unpack(packed, want, unpacked, &watch)?;
+        let found = layout.compression.unpack(packed, want, unpacked, &self.watch)?;
         if found < want {
             let what = if layout.tiled { "an unpacked tile" } else { "an unpacked strip" };
             return Err(Fault::Short { what, want: want as u64, found: found as u64 });
         }
         let how = layout.row(band);
         for (line, out) in unpacked.chunks_exact(line).zip(outs) {
-            watch.go_on()?;
+            self.watch.go_on()?;
             row.clear();
             row.extend_from_slice(line);
             how.unpredict(layout.predictor, row);
