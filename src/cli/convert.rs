@@ -9,7 +9,7 @@ use super::args::{parse_finite, parse_positive};
 use super::exit::{Exit, Stop, save, tell};
 use super::height;
 use super::sidecars::spare_sidecars;
-use crate::files::{Format, HeightFile, Watch, Writing, encode_file, fill_voids, sidecar_name};
+use crate::files::{Format, HeightFile, Watch, WriteError, Writing, encode_file, fill_voids, sidecar_name};
 use crate::node::Cancel;
 use crate::whole::{self, Known};
 
@@ -83,7 +83,10 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
     whole::sweep(&dir, |left| left.is_of(&name));
     let written = whole::write(&dir, &name, Known::Anything, |out| encode_file(&file, &writing, out))
-        .map_err(|e| Stop::new(Exit::Failed, format!("{e}: {}", args.output.display())))?;
+        .map_err(|e| {
+            let exit = if matches!(e, WriteError::Cancelled) { Exit::Cancelled } else { Exit::Failed };
+            Stop::new(exit, format!("{e}: {}", args.output.display()))
+        })?;
     if let Some(sidecar) = &written.sidecar {
         save(&folder.join(sidecar_name(&name)), format!("{sidecar:#}\n").as_bytes())?;
     }

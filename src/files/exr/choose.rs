@@ -144,3 +144,16 @@ fn names(all: &[Candidate]) -> String {
     }
     text.join(", ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_as_they_are_written() {
+        let shown = |bytes: &[u8]| letters(&Text::from_slice_unchecked(bytes));
+        assert_eq!(shown("höhe".as_bytes()), "höhe");
+        assert_eq!(shown("高さ.Z".as_bytes()), "高さ.Z");
+        assert_eq!(shown(b"h\xf6he"), "höhe", "a byte a letter");
+    }
+}
