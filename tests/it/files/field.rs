@@ -2,9 +2,11 @@
 //! voids that nobody declares, files of other programs beside them.
 
 use orograph::files::{
-    Affine, Anchor, Companion, Fault, Format, HeightFile, Input, Limits, Placement, ReadError, Reading,
-    Units, Watch, Writing, encode_file, read_height,
+    Affine, Companion, Fault, Format, HeightFile, Input, Limits, Placement, ReadError, Reading, Units, Watch,
+    Writing, encode_file, read_height,
 };
+
+use crate::cli::{code, run, said, text};
 
 /// Reads a file with what lies beside it.
 fn try_read(name: &str, bytes: &[u8], beside: &[(&str, &[u8])]) -> Result<HeightFile, ReadError> {
@@ -138,33 +140,26 @@ fn keys(keys: &[(u16, u16)]) -> Vec<u16> {
     [1, 1, 0, keys.len() as u16].into_iter().chain(codes).collect()
 }
 
-/// A hillside of 3 x 3 samples of 10 m.
-fn placed(codes: &[(u16, u16)], more: Vec<(u16, Entry<'_>)>) -> Vec<u8> {
+/// A hillside of 3 x 3 samples in some place.
+fn placed(codes: &[(u16, u16)], step: [f64; 2], [x, y]: [f64; 2]) -> Vec<u8> {
     let codes = keys(codes);
-    let scale = [10.0, 20.0, 0.0];
-    let tie = [0.0, 0.0, 0.0, 1_000_000.0, 200_000.0, 0.0];
-    let mut tags =
-        vec![(33550, Entry::Doubles(&scale)), (33922, Entry::Doubles(&tie)), (34735, Entry::Shorts(&codes))];
-    tags.extend(more);
+    let (scale, tie) = ([step[0], step[1], 0.0], [0.0, 0.0, 0.0, x, y, 0.0]);
+    let tags =
+        [(33550, Entry::Doubles(&scale)), (33922, Entry::Doubles(&tie)), (34735, Entry::Shorts(&codes))];
     floats(3, |k| 100.0 + k as f32, &tags)
 }
+
+const STEP: [f64; 2] = [10.0, 20.0];
+const CORNER: [f64; 2] = [1_000_000.0, 4_300_000.0];
 
 #[test]
 fn a_projected_system_has_not_the_code_of_its_base() {
     // Albers as a user defines it, on NAD83, in metres.
     let albers = [(1024, 1), (1025, 1), (2048, 4269), (3072, 32767), (3076, 9001)];
-    let file = read("a.tif", &placed(&albers, Vec::new()), &[]);
+    let file = read("a.tif", &placed(&albers, STEP, CORNER), &[]);
     assert_eq!((file.placement.epsg, file.placement.units), (None, Units::Length(1.0)));
     assert!(notes(&file).contains("no EPSG code"), "{}", notes(&file));
-    let globe = floats(
-        3,
-        |k| k as f32,
-        &[
-            (33550, Entry::Doubles(&[0.01, 0.01, 0.0])),
-            (33922, Entry::Doubles(&[0.0, 0.0, 0.0, 7.0, 45.0, 0.0])),
-            (34735, Entry::Shorts(&keys(&[(1024, 2), (2048, 4269)]))),
-        ],
-    );
+    let globe = placed(&[(1024, 2), (2048, 4269)], [0.01; 2], [7.0, 45.0]);
     assert_eq!(read("a.tif", &globe, &[]).placement.epsg, Some(4269));
 }
 
@@ -180,51 +175,41 @@ fn convert(file: &HeightFile, format: Format) -> (HeightFile, String) {
 /// What a format cannot say of a place is said in a note, and what it holds is read as it was meant.
 #[test]
 fn sizes_stay_as_they_are_in_formats_without_a_unit() {
-    let size = [3, 3];
-    let affine = Affine::upright([1_000_000.0, 200_000.0], [10.0, 20.0]);
-    let degrees = Affine::upright([7.0, 45.0], [0.25, 0.25]);
-    let own = read("a.tif", &placed(&[(1024, 1), (3072, 2263)], Vec::new()), &[]);
-    let with = |affine: Affine, epsg: Option<u32>, units: Units, cell: [f64; 2]| {
-        let placement =
-            Placement { affine: Some(affine), anchor: Anchor::Area, epsg, units, cell: Some(cell) };
-        HeightFile { placement, ..own.clone() }
-    };
-    let feet = 1200.0 / 3937.0;
-    for (name, file) in [
-        ("feet", own.clone()),
-        ("nameless feet", with(affine, None, Units::Length(feet), [10.0 * feet, 20.0 * feet])),
-        ("mercator", with(affine, Some(3857), Units::WebMercator, [8.1, 16.2])),
-        ("degrees", with(degrees, Some(4326), Units::Degrees, [19_711.0, 27_783.0])),
+    for (name, codes, step, corner) in [
+        ("feet", &[(1024, 1), (3072, 2263)][..], STEP, CORNER),
+        ("nameless feet", &[(1024, 1), (3072, 32767), (3076, 9003)], STEP, CORNER),
+        ("mercator", &[(1024, 1), (3072, 3857)], STEP, CORNER),
+        ("degrees", &[(1024, 2), (2048, 4326)], [0.25; 2], [7.0, 45.0]),
     ] {
-        assert_eq!([file.cols, file.rows], size);
+        let file = read("a.tif", &placed(codes, step, corner), &[]);
         let want = file.placement.cell.expect("known");
         for format in Format::ALL.into_iter().filter(|f| *f != Format::Png8) {
             let (back, said) = convert(&file, format);
             let Some(got) = back.placement.cell else { panic!("{name} as {format}: no cell") };
-            let near = (0..2).all(|k| (got[k] / want[k] - 1.0).abs() < 0.02);
+            let near = (0..2).all(|k| (got[k] / want[k] - 1.0).abs() < 1e-9);
             assert!(near, "{name} as {format}: {got:?}, not {want:?}");
             let keeps = matches!(format, Format::Tiff | Format::Tiff16);
             assert!(keeps || !said.is_empty(), "{name} as {format}: nothing is said of the place");
         }
     }
-    let turned = Affine { origin: [0.0, 9.0], col: [8.0, 6.0], row: [6.0, -8.0] };
-    let file = with(turned, Some(32633), Units::Length(1.0), [10.0, 10.0]);
-    let (_, said) = convert(&file, Format::R32);
-    assert!(said.contains("turned"), "{said}");
-    let upright = with(affine, Some(32633), Units::Length(1.0), [10.0, 20.0]);
-    let (back, said) = convert(&upright, Format::R32);
+    let own = read("a.tif", &placed(&[(1024, 1), (3072, 32633)], STEP, CORNER), &[]);
+    let (back, said) = convert(&own, Format::R32);
     assert_eq!((back.placement.epsg, said.as_str()), (Some(32633), ""));
+    let turned = Affine { origin: [0.0, 9.0], col: [8.0, 6.0], row: [6.0, -8.0] };
+    let placement = Placement { affine: Some(turned), cell: Some([10.0; 2]), ..own.placement };
+    let (_, said) = convert(&HeightFile { placement, ..own }, Format::R32);
+    assert!(said.contains("turned"), "{said}");
 }
 
 #[test]
 fn depths_are_turned_into_heights() {
     for (vertical, sign) in [(5715u16, -1.0), (5336, -1.0), (6357, -1.0), (5703, 1.0), (5773, 1.0)] {
         let codes = [(1024, 1), (3072, 32613), (4096, vertical)];
-        let file = read("a.tif", &placed(&codes, Vec::new()), &[]);
+        let file = read("a.tif", &placed(&codes, STEP, CORNER), &[]);
         assert_eq!(file.data[8], sign * 108.0, "EPSG:{vertical}");
         assert_eq!(notes(&file).contains("depths"), sign < 0.0, "{}", notes(&file));
     }
-    let feet = read("a.tif", &placed(&[(1024, 1), (3072, 32613), (4096, 8051)], Vec::new()), &[]);
+    let feet = read("a.tif", &placed(&[(1024, 1), (3072, 32613), (4096, 8051)], STEP, CORNER), &[]);
     assert!((feet.data[0] + 30.48).abs() < 1e-4, "{}", feet.data[0]);
     // By its name, where it has no code.
     let codes = [1, 1, 0, 3, 1024, 0, 1, 1, 4096, 0, 1, 32767, 4097, 34737, 10, 0];
@@ -369,4 +354,35 @@ fn the_advice_on_voids_names_other_formats() {
         let (_, advice) = error.split_once("; ").expect("advice");
         assert!(advice.contains("--fill") && !advice.contains(&format!("{format} ")), "{error}");
     }
+}
+
+#[test]
+fn convert_fills_voids_and_names_what_it_cannot_write() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| text(&folder.path().join(name));
+    std::fs::write(path("a.tif"), include_bytes!("fixtures/nodata_f32.tif")).unwrap();
+    let (from, to) = (path("a.tif"), path("b.r16"));
+    let refused = run(&["convert", &from, &to]);
+    assert!(code(&refused) == 1 && said(&refused).contains("--fill"), "{}", said(&refused));
+    assert!(said(&refused).contains("b.r16"), "{}", said(&refused));
+    let filled = run(&["convert", &from, &to, "--fill"]);
+    assert_eq!(code(&filled), 0, "{}", said(&filled));
+    let fixed = path("c.asc");
+    std::fs::write(&fixed, "").unwrap();
+    let mut rights = std::fs::metadata(&fixed).unwrap().permissions();
+    rights.set_readonly(true);
+    std::fs::set_permissions(&fixed, rights).unwrap();
+    let refused = run(&["convert", &from, &fixed, "--overwrite"]);
+    assert!(code(&refused) == 1 && said(&refused).contains("c.asc"), "{}", said(&refused));
+}
+
+#[test]
+fn what_is_too_long_to_stand_beside_a_file_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| text(&folder.path().join(name));
+    std::fs::write(path("a.png"), png(4, |k| k as u16)).unwrap();
+    std::fs::write(path("a.json"), format!("{{\"range\": [0, 1], \"x\": \"{}\"}}", "x".repeat(70_000)))
+        .unwrap();
+    let told = run(&["info", &path("a.png")]);
+    assert!(said(&told).contains("`a.json` is not read: it has 700"), "{}", said(&told));
 }

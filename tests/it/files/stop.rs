@@ -82,7 +82,7 @@ fn a_plan_looks_at_headers_first() {
         ("import_curves", "a.svg", curves, "d.height"),
     ] {
         // A hole, which takes no room on the disk.
-        std::fs::File::create(path(name)).unwrap().set_len(16 << 30).unwrap();
+        std::fs::File::create(path(name)).unwrap().set_len(8 << 30).unwrap();
         let graph = format!(
             r#"{{ "orograph": 1,
                 "nodes": {{ {more} "n": {{ "kind": "{kind}", "set": {{ "file": "{name}" }} }} }},
@@ -94,5 +94,24 @@ fn a_plan_looks_at_headers_first() {
         assert!(begun.elapsed() < SOON, "{name}: {:?}", begun.elapsed());
         assert_eq!(code(&planned), 4, "{name}: {}", said(&planned));
         assert!(said(&planned).contains(name), "{}", said(&planned));
+    }
+}
+
+/// What only looks at a graph stops as well, however many nodes it has.
+#[test]
+fn a_long_chain_is_left_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = text(&folder.path().join("chain.graph"));
+    let link = |i: u32| format!(r#""n{i}": {{ "kind": "invert", "in": {{ "field": "n{}.field" }} }}"#, i - 1);
+    let links: Vec<_> = (1..20_000).map(link).collect();
+    let graph = format!(
+        r#"{{ "orograph": 1, "nodes": {{ "n0": {{ "kind": "constant" }}, {} }},
+            "outputs": {{ "o": {{ "from": "n19999.field", "format": "r32" }} }} }}"#,
+        links.join(", ")
+    );
+    std::fs::write(&path, graph).unwrap();
+    for args in [&["check", path.as_str()][..], &["plan", &path], &["fmt", "--check", &path]] {
+        let (code, took, said) = interrupted(args, Duration::from_millis(150));
+        assert!(took < SOON, "{args:?}: {code} after {took:?}, {:?}", said.lines().last());
     }
 }
