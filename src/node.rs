@@ -397,19 +397,13 @@ pub trait Node:
         Vec::new()
     }
 
-    /// Checks the files before anything of them is read: by their lengths.
-    ///
-    /// # Errors
-    /// Names the limit and the value found.
-    fn check_files(&self, files: &[Arc<SourceFile>]) -> Result<()> {
-        let _ = files;
-        Ok(())
-    }
-
     /// What reading and decoding the files takes: bytes at the peak, the content among them, and seconds on one core.
     /// Headers may be looked at, the content may not.
-    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {
-        Cost::of_reading(files)
+    ///
+    /// # Errors
+    /// What is wrong with a file, as far as it shows there: then nobody has to go through its content.
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
+        Ok(Cost::of_reading(files))
     }
 
     /// Width in metres of the narrowest feature that a global kind makes; below two base cells it is lost.

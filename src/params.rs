@@ -190,6 +190,11 @@ fn choices(root: &Json, mode: &Json) -> Vec<Choice> {
     vec![Choice { name: name.clone(), doc, fields: fields(root, resolve(root, body), &Json::Null) }]
 }
 
+/// A limit as it is shown: with an exponent where the digits would fill a line.
+pub(crate) fn limit(v: f64) -> String {
+    if v.abs() < 1e16 { v.to_string() } else { format!("{v:e}") }
+}
+
 impl Shape {
     /// Checks a value.
     ///
@@ -204,7 +209,7 @@ impl Shape {
                     return Ok(());
                 }
                 let what = if *integer { "a whole number" } else { "a number" };
-                bad(format!("{what} from {min} to {max}"))
+                bad(format!("{what} from {} to {}", limit(*min), limit(*max)))
             }
             Self::Flag if !value.is_boolean() => bad("true or false".into()),
             Self::Text { max_length } => match value.as_str() {

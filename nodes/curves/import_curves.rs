@@ -96,20 +96,19 @@ impl Node for ImportCurves {
             .collect()
     }
 
-    fn check_files(&self, files: &[std::sync::Arc<SourceFile>]) -> Result<()> {
-        let Some(long) = files.iter().find(|file| file.len() > MAX_FILE as u64) else { return Ok(()) };
-        let message = format!("bytes of the file: at most {MAX_FILE}, got {}", long.len());
-        Err(Error::File { parameter: "file", file: self.file.0.clone(), message })
-    }
-
-    fn reading(&self, files: &[std::sync::Arc<SourceFile>]) -> Cost {
+    fn reading(&self, files: &[std::sync::Arc<SourceFile>]) -> Result<Cost> {
         let content = Cost::of_reading(files);
+        if let Some(long) = files.iter().find(|f| f.len() > MAX_FILE as u64) {
+            let (file, found) = (long.name().to_owned(), long.len());
+            let too_long = CurveError::TooMany { what: "bytes of the file", most: MAX_FILE as u64, found };
+            return Err(Error::File { parameter: "file", file, message: too_long.to_string() });
+        }
         // The elements of a text and the curves of its numbers are some tens of times as large as the text. `use` may make
         // of a small picture as much as 65 536 lines take.
         let picture = files.iter().any(|f| f.name().to_ascii_lowercase().ends_with(".svg"));
         let more = if picture { 48 << 20 } else { 1 << 20 };
         let bytes = content.bytes.saturating_mul(40).saturating_add(more);
-        content.and(Cost { bytes, seconds: content.bytes as f64 * PARSING_SECONDS })
+        Ok(content.and(Cost { bytes, seconds: content.bytes as f64 * PARSING_SECONDS }))
     }
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {

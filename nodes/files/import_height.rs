@@ -56,7 +56,7 @@ pub struct ImportHeight {
     /// that its name gives away, or the first.
     pub channel: String,
     /// A number of the file that marks voids, beside the one that the file names.
-    #[schemars(range(min = -1.0e9, max = 1.0e9), extend("x-soft" = [-32768.0, 65535.0]))]
+    #[schemars(range(min = -3.5e38, max = 3.5e38), extend("x-soft" = [-32768.0, 65535.0]))]
     pub nodata: Option<Number>,
     /// The type of the samples of a raw file; none takes what its sidecar says, or its extension.
     pub sample: Option<RawSample>,
@@ -164,17 +164,16 @@ impl Node for ImportHeight {
         [request(self.file.0.clone(), false)].into_iter().chain(beside).collect()
     }
 
-    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
         let content = Cost::of_reading(files);
-        let [file, rest @ ..] = files else { return content };
-        // A file that cannot be read takes nothing more: the run says what is wrong with it.
+        let [file, rest @ ..] = files else { return Ok(content) };
         let small = rest.iter().filter(|f| f.len() <= LONGEST_SIDECAR);
         let beside: Vec<_> = small.filter_map(|f| Some((f.name(), f.head().ok()?))).collect();
         let beside: Vec<_> = beside.iter().map(|(name, bytes)| Companion { name, bytes }).collect();
-        let Ok(claim) = claim(file, &beside, &self.reading_as()) else { return content };
+        let claim = claim(file, &beside, &self.reading_as()).map_err(|message| self.fault(message))?;
         let surface = Relief::bytes(claim.cols, claim.rows, self.interpolation == Interpolation::Cubic);
         let seconds = claim.cols as f64 * claim.rows as f64 * DECODING_SECONDS;
-        content.and(Cost { bytes: surface.max(claim.bytes), seconds })
+        Ok(content.and(Cost { bytes: surface.max(claim.bytes), seconds }))
     }
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {
@@ -206,13 +205,18 @@ impl ImportHeight {
         }
     }
 
+    /// What is wrong with the file.
+    fn fault(&self, message: String) -> Error {
+        Error::File { parameter: "file", file: self.file.0.clone(), message }
+    }
+
     /// The surface of the file, made once however many tiles and nodes ask.
     fn relief(&self, cx: &Context<'_>) -> Result<Arc<Relief>> {
         let name = &self.file.0;
         if name.is_empty() {
             return Err(Error::Parameter { name: "file".into(), message: "no file chosen".into() });
         }
-        let fault = |message: String| Error::File { parameter: "file", file: name.clone(), message };
+        let fault = |message: String| self.fault(message);
         let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;
         let names = companions(name);
         let mut found = Vec::new();

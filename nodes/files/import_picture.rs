@@ -120,18 +120,16 @@ impl Node for ImportPicture {
         named.then(request).into_iter().collect()
     }
 
-    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
         let read = Cost::of_reading(files);
-        // A picture that cannot be read takes nothing: the run says what is wrong with it.
-        let claim = |file: &Arc<SourceFile>| {
-            let opened = file.open().ok()?;
-            PictureClaim::of(file.name(), &mut Stream::new(&*opened), &Limits::default()).ok()
-        };
-        let Some(claim) = files.first().and_then(claim) else { return read };
+        let Some(file) = files.first() else { return Ok(read) };
+        let opened = file.open().map_err(|e| Error::of_source("file", file.name(), e))?;
+        let claim = PictureClaim::of(file.name(), &mut Stream::new(&*opened), &Limits::default());
+        let claim = claim.map_err(|e| self.fault(e.fault.to_string()))?;
         let pixels = claim.cols.saturating_mul(claim.rows);
         // Smaller pictures of it take less than half as many texels, and one of them stands at a time.
         let texture = Texture::bytes(claim.cols, claim.rows, [1, 2]);
-        read.and(Cost { bytes: claim.bytes().saturating_add(texture), seconds: pixels as f64 * 3e-8 })
+        Ok(read.and(Cost { bytes: claim.bytes().saturating_add(texture), seconds: pixels as f64 * 3e-8 }))
     }
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {

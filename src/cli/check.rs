@@ -33,7 +33,7 @@ pub(super) struct FmtArgs {
     graphs: Vec<PathBuf>,
     /// Writes nothing; fails when a file is not in canonical form
     #[arg(long)]
-    check: bool,
+    pub(super) check: bool,
 }
 
 pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {

@@ -9,7 +9,9 @@ use super::args::{parse_finite, parse_positive};
 use super::exit::{Exit, Stop, save, tell};
 use super::sidecars::spare_sidecars;
 use super::{heed, height};
-use crate::files::{Codec, Format, Watch, Writing, encode_file, sidecar_name};
+use crate::files::{
+    Codec, Format, HeightFile, Watch, WriteError, Writing, encode_file, fill_voids, sidecar_name,
+};
 use crate::node::Cancel;
 use crate::whole::{self, Known};
 
@@ -28,6 +30,9 @@ pub(super) struct Args {
     /// Cuts off values beyond the range instead of failing
     #[arg(long)]
     clip: bool,
+    /// Closes voids smoothly from their border inwards
+    #[arg(long)]
+    fill: bool,
     /// Writes the rows from south to north
     #[arg(long)]
     flip: bool,
@@ -64,17 +69,14 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     if format.has_sidecar(1) {
         spare_sidecars(&args.output, std::slice::from_ref(&args.input), args.overwrite)?;
     }
-    let mut file =
-        height::read(&args.input, &args.read.reading(&args.input)?, args.memory.budget(), 0, cancel)?;
     let (scale, offset) = (args.height_scale, args.height_offset);
-    if (scale, offset) != (1.0, 0.0) {
-        file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
-        if file.data.iter().any(|z| z.is_infinite()) {
-            return Err(Stop::usage(format!(
-                "--height-scale {scale} and --height-offset {offset} make heights that no file can hold"
-            )));
-        }
-    }
+    let fill = args.fill;
+    let scaled = move |file| {
+        let file = scaled(file, scale, offset)?;
+        if fill { filled(file) } else { Ok(file) }
+    };
+    let (reading, budget) = (args.read.reading(&args.input)?, args.memory.budget());
+    let file = height::read_with(&args.input, &reading, budget, 0, cancel, scaled)?;
     cancel.check().map_err(|e| Stop::new(Exit::Cancelled, e))?;
     let watch = Watch { cancel: Some(cancel), ..Watch::default() };
     let writing = Writing { file: &name, range, clip: args.clip, flip: args.flip, watch, ..format.into() };
@@ -84,7 +86,10 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     let dir = Dir::open_ambient_dir(folder, ambient_authority()).map_err(cannot)?;
     whole::sweep(&dir, |left| left.is_of(&name));
     let written = whole::write(&dir, &name, Known::Anything, |out| encode_file(&file, &writing, out))
-        .map_err(|e| Stop::new(Exit::Failed, e))?;
+        .map_err(|e| {
+            let exit = if matches!(e, WriteError::Cancelled) { Exit::Cancelled } else { Exit::Failed };
+            Stop::new(exit, format!("{e}: {}", args.output.display()))
+        })?;
     if let Some(sidecar) = &written.sidecar {
         save(&folder.join(sidecar_name(&name)), format!("{sidecar:#}\n").as_bytes())?;
     }
@@ -121,6 +126,30 @@ fn format(asked: Option<Format>, name: &str) -> Result<Format, Stop> {
             codec.extension()
         ))),
     }
+}
+
+/// The heights without voids.
+fn filled(mut file: HeightFile) -> Result<HeightFile, Stop> {
+    let (cols, rows) = (file.cols, file.rows);
+    let all = || Stop::new(Exit::Input, "nothing but voids: there is no height to fill them with");
+    if fill_voids(cols, rows, &mut file.data).ok_or_else(all)? > 0 {
+        file.origin.nodata = None;
+    }
+    Ok(file)
+}
+
+/// The heights times a factor, plus a summand.
+fn scaled(mut file: HeightFile, scale: f64, offset: f64) -> Result<HeightFile, Stop> {
+    if (scale, offset) == (1.0, 0.0) {
+        return Ok(file);
+    }
+    file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
+    if file.data.iter().any(|z| z.is_infinite()) {
+        return Err(Stop::usage(format!(
+            "--height-scale {scale} and --height-offset {offset} make heights that no file can hold"
+        )));
+    }
+    Ok(file)
 }
 
 fn range(text: &str) -> Result<[f64; 2], Stop> {

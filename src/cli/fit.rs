@@ -43,7 +43,7 @@ pub(super) struct Args {
     overwrite: bool,
     /// Prints what would be set and writes nothing
     #[arg(long)]
-    dry_run: bool,
+    pub(super) dry_run: bool,
 }
 
 pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {

@@ -8,12 +8,13 @@ use std::sync::{Mutex, PoisonError};
 use clap::ValueEnum;
 
 use super::args::{parse_bytes, parse_finite};
+use super::aside::aside;
 use super::exit::{Exit, Stop};
 use super::heed;
 use crate::engine::default_budget;
 use crate::files::{
     ByteOrder, Claim, Codec, Companion, Encoding, Fault, HeightFile, Input, LONGEST_SIDECAR, Limits,
-    RawSample, Reading, Watch, companions,
+    RawSample, Reading, Watch, companions, last_name,
 };
 use crate::node::Cancel;
 use crate::source::ReadAt;
@@ -146,18 +147,50 @@ pub(super) fn read(
     bytes_a_sample: u64,
     cancel: &Cancel,
 ) -> Result<HeightFile, Stop> {
+    read_with(path, reading, budget, bytes_a_sample, cancel, Ok)
+}
+
+/// The same with work on what was read, which may be left behind like the reading.
+pub(super) fn read_with<T: Send + 'static>(
+    path: &Path,
+    reading: &Reading,
+    budget: u64,
+    bytes_a_sample: u64,
+    cancel: &Cancel,
+    work: impl FnOnce(HeightFile) -> Result<T, Stop> + Send + 'static,
+) -> Result<T, Stop> {
+    let (path, reading, signal) = (path.to_owned(), reading.clone(), cancel.clone());
+    aside(cancel, move || work(read_here(&path, &reading, budget, bytes_a_sample, &signal)?))
+}
+
+fn read_here(
+    path: &Path,
+    reading: &Reading,
+    budget: u64,
+    bytes_a_sample: u64,
+    cancel: &Cancel,
+) -> Result<HeightFile, Stop> {
     let name = path.to_string_lossy();
     let cannot = |e: io::Error| Stop::new(Exit::Input, format!("cannot read {name}: {e}"));
     let file = Opened::new(path).map_err(cannot)?;
     let names = companions(&name);
-    let beside: Vec<_> = names.iter().filter_map(|n| Some((n, small(Path::new(n))?))).collect();
+    let mut notes = Vec::new();
+    let mut small = |name: &String| {
+        small(Path::new(name)).unwrap_or_else(|note| {
+            notes.push(note);
+            None
+        })
+    };
+    let beside: Vec<_> = names.iter().filter_map(|n| Some((n, small(n)?))).collect();
     let companions: Vec<_> = beside.iter().map(|(name, bytes)| Companion { name, bytes }).collect();
     let limits = Limits::default();
     let watch = Watch { cancel: Some(cancel), ..Watch::default() };
     let input = Input { name: &name, bytes: &file, companions: &companions, reading, limits: &limits, watch };
     let claim = input.claim().map_err(|e| Stop::new(exit(&e.fault), e))?;
     admit(&name, &claim, bytes_a_sample, budget)?;
-    input.read().map_err(|e| Stop::new(exit(&e.fault), e))
+    let mut file = input.read().map_err(|e| Stop::new(exit(&e.fault), e))?;
+    file.origin.notes.extend(notes);
+    Ok(file)
 }
 
 /// Refuses what the budget has no room for.
@@ -188,10 +221,19 @@ fn exit(fault: &Fault) -> Exit {
     }
 }
 
-/// The content of a small regular file, where there is one.
-fn small(path: &Path) -> Option<Vec<u8>> {
-    let length = path.metadata().ok().filter(Metadata::is_file)?.len();
-    if length > LONGEST_SIDECAR { None } else { std::fs::read(path).ok() }
+/// The content of a small regular file, where there is one; a note of one that is too long.
+fn small(path: &Path) -> Result<Option<Vec<u8>>, String> {
+    let Some(length) = path.metadata().ok().filter(Metadata::is_file).map(|m| m.len()) else {
+        return Ok(None);
+    };
+    if length > LONGEST_SIDECAR {
+        let name = path.to_string_lossy();
+        return Err(format!(
+            "`{}` is not read: it has {length} bytes, and what stands beside a file has {LONGEST_SIDECAR} at most",
+            last_name(&name)
+        ));
+    }
+    Ok(std::fs::read(path).ok())
 }
 
 /// A regular file that is read at any place.

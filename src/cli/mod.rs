@@ -1,6 +1,7 @@
 //! The command line: one file a command. Results go to files and standard output, everything else to standard error.
 
 mod args;
+mod aside;
 mod build;
 mod check;
 mod convert;
@@ -89,6 +90,16 @@ impl Command {
         }
     }
 
+    /// Whether it writes no file, so that it may be left behind when it was asked to stop.
+    fn writes_nothing(&self) -> bool {
+        match self {
+            Self::Check(_) | Self::Info(_) | Self::Plan(_) => true,
+            Self::Fmt(args) => args.check,
+            Self::Fit(args) => args.dry_run,
+            _ => false,
+        }
+    }
+
     fn is_editor(&self) -> bool {
         #[cfg(feature = "editor")]
         return matches!(self, Self::Edit { .. });
@@ -113,7 +124,13 @@ pub fn main() -> ExitCode {
     if !cli.command.is_editor() {
         stop_at_signals(cancel.clone());
     }
-    match run(cli, &cancel) {
+    let result = if cli.command.writes_nothing() {
+        let signal = cancel.clone();
+        aside::aside(&cancel, move || run(cli, &signal))
+    } else {
+        run(cli, &cancel)
+    };
+    match result {
         Ok(exit) => exit.into(),
         Err(stop) => {
             exit::tell(&format!("error: {}", stop.message));

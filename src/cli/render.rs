@@ -14,7 +14,7 @@ use super::reserve::reserve;
 use super::sidecars::spare_heights;
 use super::{heed, height};
 use crate::engine::{Engine, Options, Want};
-use crate::files::{Limits, Squared, fill_voids};
+use crate::files::{HeightFile, Limits, Squared, fill_voids};
 use crate::graph::{Graph, Source};
 use crate::node::{Cancel, Cost};
 use crate::nodes::Registry;
@@ -334,20 +334,23 @@ fn greys(values: &Field) -> Colors {
 fn from_file(args: &Args, cancel: &Cancel) -> Result<Subject, Stop> {
     let path: &Path = &args.graph.graph;
     let budget = args.engine.options().memory;
-    let mut file = height::read(path, &args.read.reading(path)?, budget, DRAWING, cancel)?;
-    file.origin.notes.iter().for_each(|n| tell(&format!("note: {n}")));
-    fill_voids(file.cols, file.rows, &mut file.data);
-    if let Some(scale) = args.height_scale {
-        file.data.iter_mut().for_each(|z| *z *= scale as f32);
-    }
-    if let Some(cell) = args.cell {
-        file.placement.cell = Some([cell; 2]);
-    }
-    if !file.metres && args.height_scale.is_none() {
-        tell("note: the file holds plain numbers; drawn as metres, --height-scale says otherwise");
-    }
+    let (height_scale, own_cell) = (args.height_scale, args.cell);
     let width = args.width.filter(|_| args.view == View::Map);
-    let squared = Squared::of(file, width, &Limits::default()).map_err(Stop::usage)?;
+    let work = move |mut file: HeightFile| {
+        file.origin.notes.iter().for_each(|n| tell(&format!("note: {n}")));
+        fill_voids(file.cols, file.rows, &mut file.data);
+        if let Some(scale) = height_scale {
+            file.data.iter_mut().for_each(|z| *z *= scale as f32);
+        }
+        if let Some(cell) = own_cell {
+            file.placement.cell = Some([cell; 2]);
+        }
+        if !file.metres && height_scale.is_none() {
+            tell("note: the file holds plain numbers; drawn as metres, --height-scale says otherwise");
+        }
+        Squared::of(file, width, &Limits::default()).map_err(Stop::usage)
+    };
+    let squared = height::read_with(path, &args.read.reading(path)?, budget, DRAWING, cancel, work)?;
     let cell = squared.cell.unwrap_or_else(|| {
         tell("note: the file does not say how far apart its samples are; drawn 1 m apart, --cell says otherwise");
         1.0

@@ -79,7 +79,7 @@ impl Files {
     /// [`Error::File`] with the reason.
     pub fn look(&self, node: &dyn AnyNode) -> Result<(), Error> {
         let found = self.sources().find(&node.files())?;
-        node.check_files(&found.into_iter().flatten().collect::<Vec<_>>())
+        node.reading(&found.into_iter().flatten().collect::<Vec<_>>()).map(drop)
     }
 
     /// Where the file lies that a name stands for, if it may be read.

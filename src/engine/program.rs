@@ -44,12 +44,14 @@ pub(super) struct Input {
 }
 
 impl Step {
-    /// What reading its files takes; headers are looked at once.
+    /// What reading its files takes; headers are looked at once. Of files that cannot be read it is the content: the
+    /// run says what is wrong with them.
     pub(super) fn reading(&self) -> Cost {
         if self.files.is_empty() {
             return Cost::default();
         }
-        *self.reading.get_or_init(|| self.node.reading(&self.files))
+        let content = |_| Cost::of_reading(&self.files);
+        *self.reading.get_or_init(|| self.node.reading(&self.files).unwrap_or_else(content))
     }
 
     /// Its files whose content is not known.
@@ -110,12 +112,14 @@ impl Program {
         })?;
         let requests = node.files();
         let found = self.sources.find(&requests).map_err(wrong)?;
-        let files: Vec<_> = found.iter().flatten().cloned().collect();
-        // Before the budgets: a file over a limit is not read, whatever may be used.
-        node.check_files(&files).map_err(wrong)?;
         let key = self.key(kind, &*node, &inputs, requests, &found).map_err(wrong)?;
-        let reach = node.reach();
-        Ok(Step { name, kind, node, reach, inputs, files, key, reading: OnceLock::new() })
+        let (reach, files) = (node.reach(), found.into_iter().flatten().collect::<Vec<_>>());
+        let reading = OnceLock::new();
+        // What is wrong with a header shows before anybody goes through the content to know it.
+        if files.iter().any(|f: &Arc<SourceFile>| f.known_hash().is_none()) {
+            let _ = reading.set(node.reading(&files).map_err(wrong)?);
+        }
+        Ok(Step { name, kind, node, reach, inputs, files, key, reading })
     }
 
     /// The key of a node; none while the content of a file is not known.

@@ -132,7 +132,15 @@ impl Header {
                 "yllcorner" => header.corner[1] = Some(number),
                 "xllcenter" | "xllcentre" => header.center[0] = Some(number),
                 "yllcenter" | "yllcentre" => header.center[1] = Some(number),
-                "cellsize" => header.cell = [Some(number); 2],
+                "cellsize" => {
+                    let second = word(line(rest).0.trim_ascii_start()).0;
+                    if parse::<f64>(second).is_some() {
+                        let second = brief(second);
+                        let why = format!("`cellsize` takes one number, and {second} follows it");
+                        return Err(Fault::Damaged(format!("{why}; `dx` and `dy` give two")));
+                    }
+                    header.cell = [Some(number); 2];
+                }
                 "dx" | "xdim" | "xcellsize" | "cellsize_x" => header.cell[0] = Some(number),
                 "dy" | "ydim" | "ycellsize" | "cellsize_y" => header.cell[1] = Some(number),
                 "nodata_value" | "nodata" => header.nodata = Some(number),
@@ -306,6 +314,41 @@ fn append_row(row: &[f32], nodata: f64, out: &mut Vec<u8>) {
     out.push(b'\n');
 }
 
+/// A place that is read as it was meant, since an `.asc` names no unit, and what of the sheet's own is lost.
+fn readable(sheet: &Sheet<'_>) -> (Placement, Option<String>) {
+    let own = sheet.placement;
+    let Some(a) = own.affine else { return (own, None) };
+    let system = own.epsg.map(|epsg| format!("EPSG:{epsg}"));
+    let system = system.unwrap_or_else(|| "its own system".into());
+    let read_as = Units::guess(&a, [sheet.cols, sheet.rows]);
+    match own.units {
+        units if units == read_as => {
+            let lost = own.epsg.map(|_| format!("an .asc cannot say that it lies in {system}"));
+            (own, lost)
+        }
+        Units::Length(1.0) => {
+            let lost = "an .asc names no unit, and steps as short as these are often taken for degrees";
+            (own, Some(lost.into()))
+        }
+        Units::Length(metres) => {
+            let scaled = |v: [f64; 2]| v.map(|x| x * metres);
+            let affine = Affine { origin: scaled(a.origin), col: scaled(a.col), row: scaled(a.row) };
+            let lost = format!(
+                "an .asc names no unit: its coordinates are written in metres, {metres} times those of {system}"
+            );
+            (Placement { affine: Some(affine), ..own }, Some(lost))
+        }
+        Units::Degrees | Units::WebMercator => {
+            let step = own.cell.unwrap_or([1.0; 2]);
+            let affine = Affine::upright([0.0, step[1] * (sheet.rows - 1) as f64], step);
+            let lost = format!(
+                "an .asc names no system: the cell is written in metres on the ground, and the place in {system} is lost"
+            );
+            (Placement { affine: Some(affine), ..own }, Some(lost))
+        }
+    }
+}
+
 fn write(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
     let upright = sheet.placement.affine.is_none_or(|a| a.is_upright() && a.col[0] > 0.0 && a.row[1] < 0.0);
     if !upright {
@@ -316,7 +359,8 @@ fn write(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
         _ => sheet.has_voids().then_some(-9999.0),
     };
     let void = nodata.unwrap_or(-9999.0);
-    out.write_all(first_lines([sheet.cols, sheet.rows], &sheet.placement, nodata).as_bytes())?;
+    let (placement, lost) = readable(sheet);
+    out.write_all(first_lines([sheet.cols, sheet.rows], &placement, nodata).as_bytes())?;
     let make = |band: Band| {
         let mut text = Vec::with_capacity(band.rows * sheet.cols * 9);
         (band.first_row..band.first_row + band.rows).for_each(|j| append_row(sheet.row(j), void, &mut text));
@@ -324,6 +368,5 @@ fn write(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
     };
     let split = Split::new(sheet.rows, sheet.cols * 9);
     bands::in_order(&split, &sheet.writing.watch, make, |_, text| out.write_all(&text))?;
-    let lost = sheet.placement.epsg.map(|epsg| format!("an .asc cannot say that it lies in EPSG:{epsg}"));
     Ok(Written { notes: lost.into_iter().collect(), ..Written::default() })
 }

@@ -12,8 +12,9 @@ use super::sidecar::{Sidecar, sidecar_name};
 /// Longest sidecar that is read, in bytes: a page of text.
 pub const LONGEST_SIDECAR: u64 = crate::source::HEAD_BYTES;
 
-/// What makes a sidecar of an object; `width` and `height` are other names of `cols` and `rows`.
-const KEYS: [&str; 18] = [
+/// What makes a sidecar of an object; `width` and `height` are other names of `cols` and `rows`. A `scale` alone may be
+/// that of anything.
+const KEYS: [&str; 16] = [
     "orograph",
     "file",
     "cols",
@@ -21,8 +22,6 @@ const KEYS: [&str; 18] = [
     "width",
     "height",
     "range",
-    "scale",
-    "offset",
     "sample",
     "byte_order",
     "nodata",

@@ -68,11 +68,11 @@ pub enum Fault {
         found: u64,
     },
     /// A channel or band that is not there was asked for.
-    #[error("`channel` asks for \"{asked}\"; there are {known}")]
+    #[error("`channel` asks for \"{asked}\"; {known}")]
     Channel {
         /// What was asked for.
         asked: String,
-        /// All that there are.
+        /// All that there are, as a clause.
         known: String,
     },
     /// The content breaks the rules of its format.
@@ -134,6 +134,11 @@ impl From<Stopped> for WriteError {
     fn from(_: Stopped) -> Self {
         Self::Cancelled
     }
+}
+
+/// The bands of a file, as a clause.
+pub(super) fn known_bands(bands: u64) -> String {
+    if bands == 1 { "there is band 1".into() } else { format!("there are bands 1 to {bands}") }
 }
 
 /// The extension of a file name, in lower case.

@@ -1,7 +1,7 @@
 //! Headerless rasters with a text beside them that describes them: Esri's `.flt` and `.bil`, with a `.hdr`.
 
 use super::codec::Codec;
-use super::error::Fault;
+use super::error::{Fault, known_bands};
 use super::flat::{Flat, Number, height};
 use super::height::{HeightFile, Origin};
 use super::input::{Claim, Input};
@@ -34,6 +34,8 @@ pub(super) static BIL: Codec = Codec {
     place: "from `.hdr`; EPSG code and unit from `.prj`",
 };
 
+/// The words for the number that marks voids.
+const NODATA: [&str; 2] = ["nodata_value", "nodata"];
 /// Longest header that is read, in bytes.
 const LONGEST: usize = 1 << 16;
 
@@ -91,7 +93,8 @@ impl Header {
     fn number_type(&self, codec: &Codec) -> Result<Number, Fault> {
         let bits = self.count(&["nbits"])?;
         let kind = self.word(&["pixeltype"]).unwrap_or_default().to_ascii_uppercase();
-        let (float, unsigned) = (kind.starts_with("FLOAT") || *codec == FLT, kind.starts_with("UNSIGNED"));
+        let float = kind.starts_with("FLOAT") || *codec == FLT;
+        let unsigned = kind.starts_with("UNSIGNED") || self.sign_by_default() == Some(false);
         let default = if float { 32 } else { 8 };
         Ok(match (bits.unwrap_or(default), float) {
             (8, false) if kind.starts_with("SIGNED") => Number::I8,
@@ -106,6 +109,27 @@ impl Header {
                 return Err(Fault::Unsupported(format!("samples of {bits} bits and type \"{kind}\"")));
             }
         })
+    }
+
+    /// Whether integers have a sign, where the header does not say: as GDAL has it, they have none, unless their mark of
+    /// voids has one.
+    fn sign_by_default(&self) -> Option<bool> {
+        let below_zero = self.number(&NODATA).is_some_and(|v| v < 0.0);
+        self.word(&["pixeltype"]).is_none().then_some(below_zero)
+    }
+
+    /// What a person should know of integers whose sign the header does not tell.
+    fn note_of_sign(&self, number: Number) -> Option<String> {
+        if !matches!(number, Number::U16 | Number::I16 | Number::U32 | Number::I32) {
+            return None;
+        }
+        let (how, other) = match self.sign_by_default()? {
+            true => ("with a sign, as its mark of voids has one", "UNSIGNEDINT"),
+            false => ("without a sign, as GDAL does", "SIGNEDINT"),
+        };
+        Some(format!(
+            "its .hdr names no `pixeltype`: the numbers are read {how}; `pixeltype {other}` would say otherwise"
+        ))
     }
 
     /// Where the numbers of a band lie.
@@ -137,7 +161,8 @@ impl Header {
 
     fn placement(&self, [cols, rows]: [usize; 2], system: Option<wkt::System>) -> Placement {
         let cell = self.number(&["cellsize"]);
-        let Some((dx, dy)) = self.number(&["xdim"]).or(cell).zip(self.number(&["ydim"]).or(cell)) else {
+        let [dx, dy] = [["xdim", "dx"], ["ydim", "dy"]].map(|keys| self.number(&keys).or(cell));
+        let Some((dx, dy)) = dx.zip(dy) else {
             return Placement::default();
         };
         // The map's own point is the middle of the north-west cell; a grid's that of the south-west, or its corner.
@@ -163,7 +188,7 @@ fn band(input: &Input<'_>, header: &Header) -> Result<(u64, u64), Fault> {
     let bands = header.count(&["nbands"])?.unwrap_or(1).max(1);
     let Some(asked) = input.reading.channel.as_deref() else { return Ok((0, bands)) };
     let number = asked.parse::<u64>().ok().filter(|n| (1..=bands).contains(n));
-    let unknown = || Fault::Channel { asked: asked.to_owned(), known: format!("bands 1 to {bands}") };
+    let unknown = || Fault::Channel { asked: asked.to_owned(), known: known_bands(bands) };
     Ok((number.ok_or_else(unknown)? - 1, bands))
 }
 
@@ -179,13 +204,14 @@ fn read(input: &Input<'_>, codec: &'static Codec) -> Result<HeightFile, Fault> {
     let header = Header::of(input)?;
     let (band, bands) = band(input, &header)?;
     let flat = header.flat(codec, band, bands)?;
-    let nodata = header.number(&["nodata_value", "nodata"]);
+    let nodata = header.number(&NODATA);
     let mut data = flat.read(input, height(nodata))?;
     strike(&mut data, input.reading.nodata);
     let (cols, rows) = (flat.cols as usize, flat.rows as usize);
     let mut origin = Origin::new(codec, flat.number.name());
     origin.nodata = nodata.or(input.reading.nodata);
     origin.bands = bands as usize;
+    origin.notes.extend(header.note_of_sign(flat.number));
     if bands > 1 {
         origin.notes.push(format!("{bands} bands, of which number {} is read", band + 1));
     }

@@ -27,7 +27,7 @@ impl Default for Limits {
     }
 }
 
-/// More than any compression of heights in use can squeeze out of a byte; deflate reaches 1032.
+/// More than deflate, run lengths and JPEG can squeeze out of a byte; a TIFF says what its own compression can.
 const MOST_COMPRESSED: u64 = 4096;
 
 impl Limits {
@@ -183,4 +183,16 @@ pub(super) fn room<T>(count: usize) -> Result<Vec<T>, Fault> {
         Ok(()) => Ok(values),
         Err(_) => Err(Fault::NoMemory { bytes: (count as u64).saturating_mul(size_of::<T>() as u64) }),
     }
+}
+
+/// So many values that are the same, or the word that there is no room for them.
+pub(super) fn filled(count: usize, value: f32, watch: &Watch<'_>) -> Result<Vec<f32>, Fault> {
+    /// Values between two looks at the signal: fresh memory is slow.
+    const PIECE: usize = 1 << 22;
+    let mut values = room(count)?;
+    while values.len() < count {
+        watch.go_on()?;
+        values.resize(count.min(values.len() + PIECE), value);
+    }
+    Ok(values)
 }

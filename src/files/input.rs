@@ -6,8 +6,11 @@ use super::beside;
 use super::codec::{Codec, LONGEST_MAGIC};
 use super::error::{Fault, ReadError};
 use super::height::{HeightFile, Limits};
+use super::pam;
+use super::place::Units;
 use super::reading::Reading;
 use super::sidecar::Sidecar;
+use super::suspect::suspects;
 use super::voids::strike;
 use super::watch::Watch;
 use crate::source::{HEAD_BYTES, ReadAt};
@@ -21,14 +24,16 @@ pub struct Companion<'a> {
     pub bytes: &'a [u8],
 }
 
-/// The names of the files that may lie beside a file and are read as well: `dir/a.json` beside `dir/a.r16`.
+/// The names of the files that may lie beside a file and are looked at as well: `dir/a.json` beside `dir/a.r16`, and what
+/// GDAL writes beside files of all kinds, `dir/a.r16.aux.xml`.
 pub fn companions(file: &str) -> Vec<String> {
     let stem = match file.rsplit_once('.') {
         Some((stem, extension)) if !extension.contains(['/', '\\']) => stem,
         _ => file,
     };
     let extensions = Codec::of_name(file).map_or(&[][..], |c| c.companions);
-    extensions.iter().map(|e| format!("{stem}.{e}")).collect()
+    let own = extensions.iter().map(|e| format!("{stem}.{e}"));
+    own.chain(pam::BESIDE.iter().map(|e| format!("{file}.{e}"))).collect()
 }
 
 /// What a header says of the content behind it.
@@ -72,7 +77,8 @@ impl<'a> Input<'a> {
     /// The content of a companion by its extension.
     pub(super) fn companion(&self, extension: &str) -> Option<&'a [u8]> {
         let fits = |c: &&Companion<'_>| {
-            c.name.rsplit_once('.').is_some_and(|(_, e)| e.eq_ignore_ascii_case(extension))
+            let name = c.name.to_ascii_lowercase();
+            name.strip_suffix(extension).is_some_and(|rest| rest.ends_with('.'))
         };
         self.companions.iter().find(fits).map(|c| c.bytes)
     }
@@ -119,39 +125,39 @@ impl<'a> Input<'a> {
         self.watch.go_on()?;
         (codec.claim)(self)?;
         let mut file = (codec.read)(self)?;
+        self.watch.go_on()?;
         // Those readers that scale have done so before; for others it changes nothing.
         if file.origin.nodata.is_none() {
             strike(&mut file.data, self.reading.nodata);
             file.origin.nodata = self.reading.nodata;
         }
+        pam::apply(self, &mut file);
+        on_the_globe(&mut file);
         // One rule for all formats, on the numbers as they are kept: what is read once reads the same again.
         let is_height = |v: &f32| v.abs() <= FARTHEST;
         file.data.par_chunks_mut(1 << 16).for_each(|chunk| {
             chunk.iter_mut().filter(|v| !is_height(v)).for_each(|v| *v = f32::NAN);
         });
-        if file.origin.nodata.is_none()
-            && let Some(code) = suspect(&file.data)
-        {
-            let note = format!(
-                "the lowest height is {code}, far below all others: `nodata` {code} would make voids of it"
-            );
-            file.origin.notes.push(note);
+        self.watch.go_on()?;
+        if file.origin.nodata.is_none() {
+            let plain = file.origin.plain;
+            let notes = suspects(&file.data, file.metres).into_iter().map(|s| s.note(plain));
+            file.origin.notes.extend(notes);
         }
         Ok(file)
     }
 }
 
-/// Numbers that mark voids in many files.
-const SUSPECTS: [f32; 5] = [-9999.0, -32768.0, -32767.0, -99999.0, -10000.0];
-/// How far below all other heights such a number must be, in metres.
-const FAR_BELOW: f32 = 500.0;
-
-/// The lowest number, where it is one that marks voids in many files and no height is near it.
-fn suspect(data: &[f32]) -> Option<f32> {
-    let lowest = data.par_iter().copied().reduce(|| f32::INFINITY, f32::min);
-    let code = SUSPECTS.into_iter().find(|code| *code == lowest)?;
-    let near = |v: &f32| *v > code && *v < code + FAR_BELOW;
-    (!data.par_iter().any(near) && data.par_iter().any(|v| *v > code)).then_some(code)
+/// Leaves the cell unknown where coordinates are degrees by the word of their system, and lie off the globe.
+fn on_the_globe(file: &mut HeightFile) {
+    let HeightFile { cols, rows, ref mut placement, ref mut origin, .. } = *file;
+    let Some(affine) = placement.affine.filter(|_| placement.units == Units::Degrees) else { return };
+    let ends = [0.0, cols as f64].into_iter().flat_map(|i| [0.0, rows as f64].map(|j| affine.at(i, j)));
+    let Some([x, y]) = ends.into_iter().find(|[x, y]| x.abs() > 541.0 || y.abs() > 91.0) else { return };
+    placement.cell = None;
+    origin.notes.push(format!(
+        "its system counts in degrees, and {x}, {y} is no place on the globe: how far apart its samples are is not known"
+    ));
 }
 
 /// Numbers beyond it mark voids in many files; no height is near it.

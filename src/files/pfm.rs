@@ -53,10 +53,9 @@ fn layout(input: &Input<'_>) -> Result<(Flat, usize), Fault> {
         let asked = asked.ok_or_else(|| {
             Fault::unsupported("a colour picture holds no heights; `channel` chooses one of `R`, `G`, `B`")
         })?;
-        let band = ["R", "G", "B"]
-            .iter()
-            .position(|c| c.eq_ignore_ascii_case(asked))
-            .ok_or_else(|| Fault::Channel { asked: asked.to_owned(), known: "`R`, `G`, `B`".into() })?;
+        let band = ["R", "G", "B"].iter().position(|c| c.eq_ignore_ascii_case(asked)).ok_or_else(|| {
+            Fault::Channel { asked: asked.to_owned(), known: "there are `R`, `G`, `B`".into() }
+        })?;
         flat.skip += 4 * band as u64;
         flat.step = 12;
         flat.line = cols.saturating_mul(12);

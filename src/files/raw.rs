@@ -155,12 +155,10 @@ fn size(input: &Input<'_>, sidecar: &Sidecar, sample: RawSample) -> Result<[usiz
     };
     let (cols, rows) = match (input.reading.cols, sidecar.cols, sidecar.rows) {
         (Some(cols), ..) | (None, Some(cols), None) => by_cols(cols)?,
-        (None, Some(cols), Some(rows)) => (cols, rows),
-        (None, None, _) => {
-            let side = (found / width).isqrt();
-            if side * side * width != found || found == 0 {
-                return Err(Fault::Unsupported(no_square(found, width, sidecar)));
-            }
+        (None, Some(cols), Some(rows)) if !is_foreign(input, sidecar, sample) => (cols, rows),
+        (None, _, _) => {
+            let side = square(found, width);
+            let side = side.ok_or_else(|| Fault::Unsupported(no_square(found, width, sidecar)))?;
             (side, side)
         }
     };
@@ -174,6 +172,21 @@ fn size(input: &Input<'_>, sidecar: &Sidecar, sample: RawSample) -> Result<[usiz
     }
     // Both fit, since their product does.
     Ok([cols as usize, rows as usize])
+}
+
+/// The side of the square that some bytes are.
+fn square(bytes: u64, width: u64) -> Option<u64> {
+    let side = (bytes / width).isqrt();
+    (bytes > 0 && side * side * width == bytes).then_some(side)
+}
+
+/// Whether a sidecar that neither names the file nor says it is ours speaks of another size, and the file is a square
+/// without it.
+fn is_foreign(input: &Input<'_>, sidecar: &Sidecar, sample: RawSample) -> bool {
+    let size = sidecar.cols.zip(sidecar.rows).and_then(|(cols, rows)| cols.checked_mul(rows));
+    let fits = size.and_then(|n| n.checked_mul(sample.bytes())) == Some(input.bytes.len());
+    let ours = sidecar.orograph.is_some() || !sidecar.file.is_empty();
+    !fits && !ours && square(input.bytes.len(), sample.bytes()).is_some()
 }
 
 /// What to say of a length that is no square, and which samples would make it one.

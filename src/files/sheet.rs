@@ -93,7 +93,10 @@ impl Sheet<'_> {
         if !self.has_voids() {
             return Ok(());
         }
-        let instead = format!("fill them, or choose another format: {}", Format::which(|f| f.voids));
+        let own = self.writing.format.name();
+        let others = Format::which(|f| f.voids && f.name != own);
+        let instead =
+            format!("fill them, as `orograph convert --fill` does, or choose another format: {others}");
         Err(unfit(self.writing.format, "voids", instead))
     }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::epsg;
 use super::height::HeightFile;
 use super::place::{Affine, Anchor, Placement, Units};
 use super::reading::{ByteOrder, RawSample, Reading};
@@ -158,6 +159,26 @@ impl Sidecar {
         }
     }
 
+    /// Metres of the unit of the values, with a note where they are not metres.
+    fn unit(&self, notes: &mut Vec<String>) -> f64 {
+        let unit = &self.unit;
+        match epsg::metres_of_word(unit) {
+            Some(1.0) => 1.0,
+            Some(metres) => {
+                notes.push(format!("the sidecar gives heights in \"{unit}\": they are {metres} m each"));
+                metres
+            }
+            // What we wrote ourselves may be shares or degrees.
+            None if unit.is_empty() || self.orograph.is_some() => 1.0,
+            None => {
+                notes.push(format!(
+                    "the unit of the sidecar, \"{unit}\", is not known: it is taken for metres"
+                ));
+                1.0
+            }
+        }
+    }
+
     /// Gives a file that was read what the sidecar and a person know: its voids, the values of its integers, its
     /// place, its row order. `ends` are the lowest and the highest integer.
     pub(super) fn apply(&self, file: &mut HeightFile, ends: Option<[f64; 2]>, reading: &Reading) {
@@ -180,13 +201,16 @@ impl Sidecar {
         if !believed {
             return;
         }
-        if let Some((factor, summand)) = ends.and_then(|e| self.scaling(e)) {
+        let unit = self.unit(&mut file.origin.notes);
+        let scaling = ends.and_then(|e| self.scaling(e));
+        if scaling.is_some() || unit != 1.0 {
+            let (factor, summand) = scaling.unwrap_or((1.0, 0.0));
             for v in &mut file.data {
-                *v = (f64::from(*v) * factor + summand) as f32;
+                *v = ((f64::from(*v) * factor + summand) * unit) as f32;
             }
             file.metres = true;
             file.origin.plain = false;
-            file.origin.range = self.range;
+            file.origin.range = self.range.map(|ends| ends.map(|v| v * unit));
         }
         if self.rows_from == Side::South {
             file.flip();

@@ -14,7 +14,7 @@ pub(super) struct System {
     pub(super) epsg: Option<u32>,
     /// The unit of its coordinates.
     pub(super) units: Units,
-    /// Metres of the unit of its heights, where it has some.
+    /// Metres of the unit of its heights, where it has some; below zero for depths, which count downwards.
     pub(super) heights: Option<f64>,
 }
 
@@ -96,6 +96,20 @@ impl Node {
         let unit = self.child(&keys).or_else(axis)?;
         unit.texts.get(1).and_then(|t| t.parse().ok()).filter(|m: &f64| m.is_normal() && *m > 0.0)
     }
+
+    /// Metres of its unit of heights, below zero where it counts downwards.
+    fn heights(&self) -> Option<f64> {
+        let down = |axis: &Self| axis.texts.iter().any(|t| t.eq_ignore_ascii_case("down"));
+        let turned = |n: &Self| {
+            let direction = n.key == "PARAMETER" && n.name().eq_ignore_ascii_case("direction");
+            direction && n.texts.get(1).is_some_and(|t| t.starts_with('-'))
+        };
+        let depths = self.child(&["AXIS"]).is_some_and(down)
+            || self.nodes.iter().any(turned)
+            || self.epsg().is_some_and(epsg::is_depth)
+            || epsg::names_depth(self.name());
+        if depths { Some(-self.metres().unwrap_or(1.0)) } else { self.metres() }
+    }
 }
 
 const PROJECTED: [&str; 3] = ["PROJCS", "PROJCRS", "PROJECTEDCRS"];
@@ -110,7 +124,7 @@ impl System {
         let compound = is(root, &COMPOUND);
         let of =
             |keys: &[&str]| if is(root, keys) { Some(root) } else { root.child(keys).filter(|_| compound) };
-        let heights = root.child(&VERTICAL).and_then(Node::metres);
+        let heights = root.child(&VERTICAL).and_then(Node::heights);
         if let Some(flat) = of(&PROJECTED) {
             let epsg = flat.epsg().or_else(|| code_of_name(flat.name()));
             let mercator = epsg.and_then(Units::of_epsg).filter(|u| *u == Units::WebMercator);
@@ -183,6 +197,14 @@ mod tests {
             "{esri},VERTCS[\"NAVD88\",VDATUM[\"x\"],PARAMETER[\"Direction\",1.0],UNIT[\"Foot_US\",0.3048006096]]"
         );
         assert_eq!(system(&behind).and_then(|s| s.heights), Some(0.304_800_609_6));
+        for depths in [
+            r#"VERT_CS["x",UNIT["metre",1],AXIS["Depth",DOWN]]"#,
+            r#"VERTCS["MSL_Depth",VDATUM["x"],UNIT["Meter",1.0]]"#,
+            r#"VERTCS["x",PARAMETER["Vertical_Shift",0.0],PARAMETER["Direction",-1.0],UNIT["Meter",1.0]]"#,
+            r#"VERTCRS["x",CS[vertical,1],AXIS["y (D)",down,LENGTHUNIT["metre",1]],ID["EPSG",5715]]"#,
+        ] {
+            assert_eq!(system(&format!("{esri},{depths}")).and_then(|s| s.heights), Some(-1.0), "{depths}");
+        }
         assert_eq!(system(r#"GEOGCS["GCS_WGS_1984",UNIT["Degree",0.017]]"#).and_then(|s| s.epsg), Some(4326));
     }
 

@@ -20,7 +20,7 @@ pub(super) fn system(input: &Input<'_>, notes: &mut Vec<String>) -> Option<Syste
 
 /// The place that a world file and a `.prj` give, for files that have none of their own.
 pub(super) fn placement(input: &Input<'_>, size: [usize; 2], notes: &mut Vec<String>) -> Placement {
-    let worlds = ["tfw", "pgw", "wld", "blw"];
+    let worlds = ["tfw", "tifw", "pgw", "pngw", "wld", "blw", "bilw"];
     let Some(text) = worlds.iter().find_map(|w| text(input, w)) else { return Placement::default() };
     match affine(&text) {
         Some(affine) => placed(affine, Anchor::Area, system(input, notes), size),

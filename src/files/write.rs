@@ -168,7 +168,8 @@ pub fn encode_file(
     let metres = placement.units == Units::Length(1.0);
     let geo = placement.affine.filter(|a| metres && a.is_upright()).zip(placement.epsg);
     let geo = geo.map(|(a, epsg)| Geo { epsg, east: a.origin[0], north: a.origin[1] });
-    Sheet {
+    let lost = lost_place(&placement, writing.format, geo.is_some());
+    let mut written = Sheet {
         cols: file.cols,
         rows: file.rows,
         channels: 1,
@@ -180,7 +181,30 @@ pub fn encode_file(
         sidecar: Sidecar { geo, ..Sidecar::default() },
         writing: Writing { range: writing.range.or_else(|| range_of_file(file, writing)), ..*writing },
     }
-    .write(out)
+    .write(out)?;
+    written.notes.extend(lost);
+    Ok(written)
+}
+
+/// What a file of a format cannot say of a place, as a sentence. A sidecar holds places in metres of a system with a
+/// code; `kept` is whether this is one.
+fn lost_place(placement: &Placement, format: Format, kept: bool) -> Option<String> {
+    // Those hold coordinates of their own.
+    if kept || matches!(format, Format::Tiff | Format::Tiff16 | Format::Asc) {
+        return None;
+    }
+    let affine = placement.affine?;
+    let why = match placement.units {
+        Units::Degrees => "in degrees".to_owned(),
+        Units::WebMercator => "in web Mercator".to_owned(),
+        Units::Length(_) if !affine.is_upright() => "turned".to_owned(),
+        Units::Length(1.0) => "in a system without an EPSG code".to_owned(),
+        Units::Length(metres) => format!("in units of {metres} m"),
+    };
+    Some(format!(
+        "the place of the file is lost: a sidecar holds one that is upright, in metres and in a system with an EPSG code, \
+         and this one is {why}"
+    ))
 }
 
 /// Coordinates from the south-west sample, where nothing but the cell is known.

@@ -198,16 +198,26 @@ fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let (cols, rows) = (cols as usize, rows as usize);
     let mut data = room(cols * rows)?;
     data.resize(cols * rows, f32::NAN);
+    let (mut again, mut first) = (0u64, None);
     each_point(input, [0.4, 1.0], |line, [x, y, z]| {
         let (u, v) = ((x - west) / dx, (north - y) / dy);
         if (u - u.round()).abs() > OFF || (v - v.round()).abs() > OFF {
             return Err(bad(line, "lies on no regular grid with the others"));
         }
         let (i, j) = ((u.round() as usize).min(cols - 1), (v.round() as usize).min(rows - 1));
-        data[j * cols + i] = z as f32;
+        let place = &mut data[j * cols + i];
+        if !place.is_nan() && *place != z as f32 {
+            again += 1;
+            first.get_or_insert(line);
+        }
+        *place = z as f32;
         Ok(())
     })?;
     let mut origin = Origin::new(&CODEC, "text");
+    origin.notes.extend(first.map(|line| {
+        let lines = if again == 1 { "1 line gives".into() } else { format!("{again} lines give") };
+        format!("{lines} a place another height than a line before, the first of them line {line}: the last counts")
+    }));
     let system = world::system(input, &mut origin.notes);
     let affine = Affine::upright([west, north], [dx, dy]);
     let placement = world::placed(affine, Anchor::Point, system, [cols, rows]);

@@ -34,13 +34,11 @@ pub trait AnyNode: Debug + Send + Sync {
     fn check(&self) -> Result<()>;
     /// See [`Node::files`].
     fn files(&self) -> Vec<FileRequest>;
-    /// See [`Node::check_files`].
+    /// See [`Node::reading`].
     ///
     /// # Errors
-    /// Those of [`Node::check_files`].
-    fn check_files(&self, files: &[Arc<SourceFile>]) -> Result<()>;
-    /// See [`Node::reading`].
-    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost;
+    /// Those of [`Node::reading`].
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost>;
     /// See [`Node::narrowest`].
     fn narrowest(&self) -> Option<f64>;
     /// Whether the node needs a summary.
@@ -87,10 +85,7 @@ impl<N: Node> AnyNode for N {
     fn files(&self) -> Vec<FileRequest> {
         Node::files(self)
     }
-    fn check_files(&self, files: &[Arc<SourceFile>]) -> Result<()> {
-        Node::check_files(self, files)
-    }
-    fn reading(&self, files: &[Arc<SourceFile>]) -> Cost {
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
         Node::reading(self, files)
     }
     fn narrowest(&self) -> Option<f64> {

@@ -5,7 +5,7 @@
 
 use serde_json::Value as Json;
 
-use super::{Choice, Param, Shape};
+use super::{Choice, Param, Shape, limit};
 
 /// A row of a table of parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,7 +138,7 @@ fn unit(p: &Param) -> String {
 /// What values a shape takes.
 fn range(shape: &Shape, items: &[String], unit: &str) -> String {
     match shape {
-        Shape::Number { min, max, .. } => format!("{min} to {max}{unit}"),
+        Shape::Number { min, max, .. } => format!("{} to {}{unit}", limit(*min), limit(*max)),
         Shape::Flag => "true or false".into(),
         Shape::Choice(modes) => modes.iter().map(|m| format!("`{}`", m.name)).collect::<Vec<_>>().join(" "),
         Shape::List { item, min, max } => match bare(item) {

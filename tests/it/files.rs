@@ -4,11 +4,13 @@ mod budgets;
 mod cases;
 mod crates;
 mod dem;
+mod field;
 mod foreign;
 mod hostile;
 mod import;
 mod pictures;
 mod round_trip;
+mod stop;
 mod table;
 
 use orograph::files::{HeightFile, Limits, WriteJob, Writing, encode, read_height};

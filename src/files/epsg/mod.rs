@@ -57,6 +57,23 @@ pub(super) fn vertical(code: u32) -> Option<f64> {
     listed("vertical", code).and_then(metres)
 }
 
+/// Whether the heights of a vertical system are depths, which count downwards.
+pub(super) fn is_depth(code: u32) -> bool {
+    let line = TABLE.lines().find_map(|line| line.strip_prefix("depth"));
+    line.is_some_and(|line| line.split_ascii_whitespace().any(|w| holds(w, code)))
+}
+
+/// Whether the name of a vertical system is that of one of depths.
+pub(super) fn names_depth(name: &str) -> bool {
+    let mut words = name.split(|c: char| !c.is_alphanumeric());
+    words.any(|w| w.eq_ignore_ascii_case("depth") || w.eq_ignore_ascii_case("depths"))
+}
+
+/// What a person should know of depths.
+pub(super) fn note_of_depths(system: &str) -> String {
+    format!("its vertical system, {system}, counts depths downwards: they are turned into heights")
+}
+
 /// The code of the unit in whose lines a system stands.
 fn listed(kind: &str, code: u32) -> Option<u16> {
     TABLE.lines().find_map(|line| {
@@ -121,12 +138,15 @@ mod tests {
         assert_eq!(vertical(6360), Some(1200.0 / 3937.0));
         assert_eq!(vertical(8228), Some(0.3048));
         assert_eq!(vertical(5703), None);
+        assert!([5715, 5336, 5706, 6357, 8051, 10_372].into_iter().all(is_depth));
+        assert!([5703, 5714, 6360, 5773, 3855].into_iter().all(|code| !is_depth(code)));
+        assert!(names_depth("MSL depth (ft)") && names_depth("Depth") && !names_depth("EGM96 height"));
     }
 
     #[test]
     fn every_line_of_the_table_is_understood() {
         let mut codes = 0;
-        for line in TABLE.lines().filter(|l| !l.starts_with('#')) {
+        for line in TABLE.lines().filter(|l| !l.starts_with('#') && !l.starts_with("depth")) {
             let mut words = line.split_ascii_whitespace();
             assert!(matches!(words.next(), Some("horizontal" | "vertical")), "{line}");
             assert!(words.next().and_then(|w| w.parse().ok()).is_some_and(|c| unit(c).is_some()), "{line}");

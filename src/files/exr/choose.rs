@@ -4,6 +4,7 @@
 //! layers as well, by the name of the part.
 
 use exr::meta::header::Header;
+use exr::prelude::Text;
 
 use super::super::error::Fault;
 
@@ -61,9 +62,9 @@ pub(super) fn channel(headers: &[Header], asked: Option<&str>) -> Result<Pick, F
 fn candidates(headers: &[Header]) -> Vec<Candidate> {
     let mut all = Vec::new();
     for (part, header) in headers.iter().enumerate().filter(|(_, h)| !h.deep) {
-        let layer = header.own_attributes.layer_name.as_ref().map(ToString::to_string);
+        let layer = header.own_attributes.layer_name.as_ref().map(letters);
         for (channel, c) in header.channels.list.iter().enumerate() {
-            let inner = c.name.to_string();
+            let inner = letters(&c.name);
             let name = match layer.as_deref() {
                 Some(layer) if !layer.is_empty() && headers.len() > 1 => format!("{layer}.{inner}"),
                 _ => inner,
@@ -81,7 +82,7 @@ fn named(all: Vec<Candidate>, asked: &str) -> Result<Pick, Fault> {
     let loose = || all.iter().position(|c| c.pick.name.eq_ignore_ascii_case(asked));
     match exact.or_else(loose) {
         Some(i) => Ok(all[i].pick.clone()),
-        None => Err(Fault::Channel { asked: asked.to_owned(), known: names(&all) }),
+        None => Err(Fault::Channel { asked: asked.to_owned(), known: known(&all) }),
     }
 }
 
@@ -125,6 +126,16 @@ fn ambiguous(all: &[Candidate]) -> Fault {
 }
 
 /// The names of channels, as many as a person reads.
+/// What there is, as a clause.
+fn known(all: &[Candidate]) -> String {
+    format!("there {} {}", if all.len() == 1 { "is" } else { "are" }, names(all))
+}
+
+/// A name as people write it: in UTF-8, or, in old files, a byte a letter.
+fn letters(text: &Text) -> String {
+    std::str::from_utf8(text.bytes()).map_or_else(|_| text.to_string(), str::to_owned)
+}
+
 fn names(all: &[Candidate]) -> String {
     const SHOWN: usize = 24;
     let mut text: Vec<_> = all.iter().take(SHOWN).map(|c| format!("`{}`", c.pick.name)).collect();
@@ -132,4 +143,17 @@ fn names(all: &[Candidate]) -> String {
         text.push(format!("{} more", all.len() - SHOWN));
     }
     text.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_as_they_are_written() {
+        let shown = |bytes: &[u8]| letters(&Text::from_slice_unchecked(bytes));
+        assert_eq!(shown("höhe".as_bytes()), "höhe");
+        assert_eq!(shown("高さ.Z".as_bytes()), "高さ.Z");
+        assert_eq!(shown(b"h\xf6he"), "höhe", "a byte a letter");
+    }
 }

@@ -12,7 +12,7 @@ use exr::prelude::{MetaData, f16};
 use rayon::prelude::*;
 
 use super::super::error::Fault;
-use super::super::height::{HeightFile, Limits, Origin, room};
+use super::super::height::{HeightFile, Limits, Origin, filled};
 use super::super::input::{Claim, Input};
 use super::super::place::Placement;
 use super::super::raw::finite_or_void;
@@ -55,8 +55,7 @@ fn read_channel(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let mut chunks = reader.filter_chunks(false, full_size).map_err(fault)?;
     let meta = chunks.meta_data().clone();
     let total = chunks.expected_chunk_count().max(1);
-    let mut data = room(frame.cols * frame.rows)?;
-    data.resize(frame.cols * frame.rows, f32::NAN);
+    let mut data = filled(frame.cols * frame.rows, f32::NAN, &input.watch)?;
     let (mut done, batch) = (0, at_once(&header));
     loop {
         let packed: Vec<Chunk> = chunks.by_ref().take(batch).collect::<Result<_, _>>().map_err(fault)?;
@@ -64,9 +63,13 @@ fn read_channel(input: &Input<'_>) -> Result<HeightFile, Fault> {
             break;
         }
         done += packed.len();
-        let unpack = |chunk| UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(fault);
+        let unpack = |chunk| {
+            input.watch.go_on()?;
+            UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(fault)
+        };
         let blocks: Vec<_> = packed.into_par_iter().map(unpack).collect::<Result<_, _>>()?;
         for block in &blocks {
+            input.watch.go_on()?;
             frame.put(block, &header, &pick, &mut data)?;
         }
         input.watch.check(done as f32 / total as f32)?;

@@ -16,6 +16,7 @@ mod key {
     pub(super) const LINEAR_UNITS: u16 = 3076;
     pub(super) const LINEAR_UNIT_SIZE: u16 = 3077;
     pub(super) const VERTICAL: u16 = 4096;
+    pub(super) const VERTICAL_CITATION: u16 = 4097;
     pub(super) const VERTICAL_UNITS: u16 = 4099;
 }
 
@@ -28,6 +29,7 @@ const MOST_KEYS: usize = 4096;
 pub(super) struct Keys {
     entries: Vec<[u16; 4]>,
     doubles: Vec<f64>,
+    text: String,
 }
 
 impl Keys {
@@ -38,12 +40,21 @@ impl Keys {
             .unwrap_or_default();
         let (quads, _) = shorts.as_chunks::<4>();
         let doubles = directory.doubles(tag::GEO_DOUBLES)?.unwrap_or_default();
-        Ok(Self { entries: quads.iter().skip(1).copied().collect(), doubles })
+        let text = directory.text(tag::GEO_TEXT)?.unwrap_or_default();
+        Ok(Self { entries: quads.iter().skip(1).copied().collect(), doubles, text })
     }
 
     /// A code written in the key itself.
     fn code(&self, key: u16) -> Option<u16> {
         self.entries.iter().find(|e| e[0] == key && e[1] == 0).map(|e| e[3])
+    }
+
+    /// A text, which ends with a bar.
+    fn text(&self, key: u16) -> Option<String> {
+        let e = self.entries.iter().find(|e| e[0] == key && e[1] == tag::GEO_TEXT)?;
+        let (from, count) = (usize::from(e[3]), usize::from(e[2]));
+        let text = self.text.get(from..from.checked_add(count)?)?;
+        Some(text.trim_end_matches(['|', '\0']).to_owned())
     }
 
     fn double(&self, key: u16) -> Option<f64> {
@@ -54,6 +65,22 @@ impl Keys {
     /// The code of a system that is in the registry.
     fn system(&self, key: u16) -> Option<u32> {
         self.code(key).filter(|e| (1024..USER_DEFINED).contains(e)).map(u32::from)
+    }
+
+    /// Whether coordinates are projected, in whatever system.
+    fn is_projected(&self) -> bool {
+        match self.code(key::MODEL_TYPE) {
+            Some(1) => true,
+            Some(2) => false,
+            _ => self.code(key::PROJECTED).is_some_and(|code| code != 0),
+        }
+    }
+
+    /// The name of the vertical system, where it counts downwards.
+    fn depths(&self) -> Option<String> {
+        let by_code = self.system(key::VERTICAL).filter(|code| epsg::is_depth(*code));
+        let by_name = || self.text(key::VERTICAL_CITATION).filter(|name| epsg::names_depth(name));
+        by_code.map(|code| format!("EPSG:{code}")).or_else(by_name)
     }
 
     /// Metres of the unit of projected coordinates: by its code, its size, or the system.
@@ -72,9 +99,15 @@ pub(super) fn placement(
     directory: &Directory<'_>,
     keys: &Keys,
     size: [usize; 2],
+    notes: &mut Vec<String>,
 ) -> Result<Placement, Fault> {
     let anchor = if keys.code(key::RASTER_TYPE) == Some(2) { Anchor::Point } else { Anchor::Area };
-    let epsg = keys.system(key::PROJECTED).or_else(|| keys.system(key::GEOGRAPHIC));
+    // The geographic system that a projected one is based on is not the one of the coordinates.
+    let globe = || keys.system(key::GEOGRAPHIC).filter(|_| !keys.is_projected());
+    let epsg = keys.system(key::PROJECTED).or_else(globe);
+    if epsg.is_none() && keys.is_projected() {
+        notes.push("its projected system has no EPSG code; of the system only the unit is known".into());
+    }
     let known = epsg.and_then(Units::of_epsg);
     let Some(affine) = affine(directory, anchor)? else {
         return Ok(Placement { anchor, epsg, ..Placement::default() });
@@ -122,22 +155,24 @@ fn affine(directory: &Directory<'_>, anchor: Anchor) -> Result<Option<Affine>, F
 }
 
 /// Metres of a unit of the heights: by GDAL's word of the band, by the keys of the vertical system, or by that system.
+/// Of depths, which count downwards, they are below zero.
 pub(super) fn unit_of_heights(
     keys: &Keys,
     gdal: &Metadata,
     band: usize,
     notes: &mut Vec<String>,
 ) -> Option<f64> {
-    if let Some(word) = gdal.unit(band) {
-        match epsg::metres_of_word(word) {
-            Some(metres) => return Some(metres),
-            None => notes.push(format!(
-                "the unit of its heights, \"{word}\", is not known: they are taken for metres"
-            )),
-        }
+    let word = gdal.unit(band);
+    let by_word = word.and_then(epsg::metres_of_word);
+    if let (Some(word), None) = (word, by_word) {
+        notes.push(format!("the unit of its heights, \"{word}\", is not known: they are taken for metres"));
     }
-    let system = || keys.system(key::VERTICAL).and_then(epsg::vertical);
-    keys.code(key::VERTICAL_UNITS).and_then(epsg::metres).or_else(system)
+    let system = keys.system(key::VERTICAL);
+    let by_system = || system.and_then(epsg::vertical);
+    let metres = by_word.or_else(|| keys.code(key::VERTICAL_UNITS).and_then(epsg::metres)).or_else(by_system);
+    let Some(depths) = keys.depths() else { return metres };
+    notes.push(epsg::note_of_depths(&depths));
+    Some(-metres.unwrap_or(1.0))
 }
 
 /// Metres of a US survey foot.
@@ -188,8 +223,8 @@ impl Tags {
                 keys.extend([[key::MODEL_TYPE, 0, 1, 2], [key::RASTER_TYPE, 0, 1, raster]]);
                 keys.extend([[key::GEOGRAPHIC, 0, 1, code], [key::ANGULAR_UNITS, 0, 1, 9102]]);
             }
-            // Local metres have no system: only what a sample stands for is said.
-            Units::Length(_) | Units::WebMercator if code == USER_DEFINED => {
+            // Local metres have no system: only what a sample stands for is said. Another unit must be named.
+            Units::Length(1.0) | Units::WebMercator if code == USER_DEFINED => {
                 keys.push([key::RASTER_TYPE, 0, 1, raster]);
             }
             Units::Length(_) | Units::WebMercator => {

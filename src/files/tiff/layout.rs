@@ -127,6 +127,9 @@ fn kind(directory: &Directory<'_>, bands: u64) -> Result<SampleKind, Fault> {
         .ok_or_else(|| Fault::Unsupported(format!("samples of {bits} bits and format {format}")))
 }
 
+/// Beginning and length of a chunk that a sparse file leaves out.
+const LEFT_OUT: (u64, u64) = (0, 0);
+
 /// Where the strips or tiles of a picture lie.
 #[derive(Clone, Debug)]
 pub(super) struct Chunks {
@@ -150,6 +153,27 @@ impl Chunks {
         Ok(found)
     }
 
+    /// Checks that strips or tiles of their lengths can hold what the picture claims, however well compressed. Those
+    /// that a sparse file leaves out take no bytes.
+    pub(super) fn plausible(directory: &Directory<'_>, layout: &Layout) -> Result<(), Fault> {
+        // Of a tile that juts out over the border only the inside counts: it may be mostly filling.
+        let claimed = ((layout.cols * layout.rows) as u64).saturating_mul(layout.kind.bits()) / 8;
+        let (bytes, most) = (directory.file.bytes.len(), layout.compression.most());
+        if claimed / most <= bytes {
+            return Ok(());
+        }
+        let chunks = Self::of(directory, layout)?;
+        let whole = (layout.line() as u64).saturating_mul(layout.chunk[1].min(layout.rows) as u64);
+        let holds = |(offset, count)| {
+            if (offset, count) == LEFT_OUT { whole } else { whole.min(most.saturating_mul(count)) }
+        };
+        let all = (0..chunks.offsets.len()).filter_map(|i| chunks.place(directory, i)).map(holds);
+        if all.fold(0, u64::saturating_add) < claimed {
+            return Err(Fault::Overclaim { claimed, bytes });
+        }
+        Ok(())
+    }
+
     pub(super) fn of(directory: &Directory<'_>, layout: &Layout) -> Result<Self, Fault> {
         let (offsets, counts) = Self::tags(layout.tiled);
         let missing = || Fault::damaged("no strips and no tiles");
@@ -162,6 +186,16 @@ impl Chunks {
         if tiled { (tag::TILE_OFFSETS, tag::TILE_COUNTS) } else { (tag::STRIP_OFFSETS, tag::STRIP_COUNTS) }
     }
 
+    /// Where a chunk begins, and how many bytes it takes.
+    fn place(&self, directory: &Directory<'_>, i: usize) -> Option<(u64, u64)> {
+        let offset = self.offsets.get(i)?;
+        let count = match &self.counts {
+            Some(counts) => counts.get(i).unwrap_or(0),
+            None => directory.file.bytes.len().saturating_sub(offset),
+        };
+        Some((offset, count))
+    }
+
     /// Reads the packed bytes of a chunk; `false` where a sparse file leaves it out.
     pub(super) fn read(
         &self,
@@ -169,14 +203,10 @@ impl Chunks {
         i: usize,
         packed: &mut Vec<u8>,
     ) -> Result<bool, Fault> {
-        let Some(offset) = self.offsets.get(i) else {
+        let Some((offset, count)) = self.place(directory, i) else {
             return Err(Fault::Damaged(format!("no {} {i}", self.what)));
         };
-        let count = match &self.counts {
-            Some(counts) => counts.get(i).unwrap_or(0),
-            None => directory.file.bytes.len().saturating_sub(offset),
-        };
-        if offset == 0 && count == 0 {
+        if (offset, count) == LEFT_OUT {
             return Ok(false);
         }
         directory.file.read(offset, count.max(1), self.what, packed)?;

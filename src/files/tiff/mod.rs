@@ -21,7 +21,7 @@ pub(super) static CODEC: Codec = Codec {
     name: "TIFF",
     extensions: &["tif", "tiff", "gtiff"],
     magic: &[b"II\x2a\0", b"II\x2b\0", b"MM\0\x2a", b"MM\0\x2b"],
-    companions: &["tfw", "prj"],
+    companions: &["tfw", "tifw", "wld", "prj"],
     claim: read::claim,
     read: read::read,
     reads: "TIFF, BigTIFF, GeoTIFF: f16 f32 f64, u8 to u64, i8 to i64, packed integers of 1 to 31 bits; strips or tiles; \
@@ -88,6 +88,7 @@ mod tag {
     pub(super) const TRANSFORMATION: u16 = 34264;
     pub(super) const GEO_KEYS: u16 = 34735;
     pub(super) const GEO_DOUBLES: u16 = 34736;
+    pub(super) const GEO_TEXT: u16 = 34737;
     pub(super) const GDAL_METADATA: u16 = 42112;
     pub(super) const GDAL_NODATA: u16 = 42113;
 }

@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::super::error::Fault;
-use super::super::height::{HeightFile, Limits, Origin, room};
+use super::super::error::{Fault, known_bands};
+use super::super::height::{HeightFile, Limits, Origin, filled};
 use super::super::input::{Claim, Input};
 use super::super::place::Placement;
 use super::super::voids::strike;
+use super::super::watch::Watch;
 use super::super::world;
 use super::ifd::Directory;
 use super::layout::{Chunks, Layout};
@@ -17,9 +18,7 @@ pub(super) fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
     let directory = Directory::first(input.bytes)?;
     let layout = Layout::of(&directory, input.limits)?;
     let chunks = Chunks::check(&directory, &layout)?;
-    // Of a tile that juts out over the border only the inside counts: it may be mostly filling.
-    let claimed = ((layout.cols * layout.rows) as u64).saturating_mul(layout.kind.bits()) / 8;
-    Limits::plausible(claimed, input.bytes.len())?;
+    Chunks::plausible(&directory, &layout)?;
     let working = layout.working_bytes().saturating_mul(rayon::current_num_threads() as u64);
     Claim::new(
         input,
@@ -30,26 +29,25 @@ pub(super) fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
 
 /// Reads the first picture of a file.
 pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
-    let picture = Picture::open(Directory::first(input.bytes)?, input.limits)?;
+    let picture = Picture::open(Directory::first(input.bytes)?, input.limits, input.watch)?;
     let layout = &picture.layout;
     let band = band(layout, input.reading.channel.as_deref())?;
-    let mut data = room(layout.cols * layout.rows)?;
-    data.resize(layout.cols * layout.rows, 0f32);
+    let mut data = filled(layout.cols * layout.rows, 0.0, &input.watch)?;
     let metadata = gdal::Metadata::of(&picture.directory)?;
     let nodata = picture.directory.text(tag::GDAL_NODATA)?.and_then(|t| gdal::number(&t));
-    picture.heights(input, band, nodata, &mut data)?;
+    picture.heights(band, nodata, &mut data)?;
     let mut origin = Origin::new(&CODEC, layout.kind.name());
     origin.nodata = nodata;
     origin.bands = layout.bands;
     if layout.bands > 1 {
         origin.notes.push(format!("{} bands, of which number {} is read", layout.bands, band + 1));
     }
-    picture.clear(input, band, &mut data, &mut origin)?;
+    picture.clear(input.limits, band, &mut data, &mut origin)?;
     origin.nodata = origin.nodata.or(input.reading.nodata);
     strike(&mut data, input.reading.nodata);
     let keys = geo::Keys::of(&picture.directory)?;
     let size = [layout.cols, layout.rows];
-    let mut placement = geo::placement(&picture.directory, &keys, size)?;
+    let mut placement = geo::placement(&picture.directory, &keys, size, &mut origin.notes)?;
     let mut unit = geo::unit_of_heights(&keys, &metadata, band, &mut origin.notes);
     if placement.affine.is_none() {
         let beside = world::placement(input, size, &mut origin.notes);
@@ -84,10 +82,9 @@ fn band(layout: &Layout, asked: Option<&str>) -> Result<usize, Fault> {
         };
     };
     let number = asked.parse().ok().filter(|n| (1..=layout.bands).contains(n));
-    number.map(|n: usize| n - 1).ok_or_else(|| Fault::Channel {
-        asked: asked.to_owned(),
-        known: if layout.bands == 1 { "band 1".into() } else { format!("bands 1 to {}", layout.bands) },
-    })
+    number
+        .map(|n: usize| n - 1)
+        .ok_or_else(|| Fault::Channel { asked: asked.to_owned(), known: known_bands(layout.bands as u64) })
 }
 
 /// Turns a file around whose rows run from south to north by its own coordinates.
@@ -108,6 +105,7 @@ struct Picture<'a> {
     directory: Directory<'a>,
     layout: Layout,
     chunks: Chunks,
+    watch: Watch<'a>,
 }
 
 /// What a thread unpacks into.
@@ -119,21 +117,15 @@ struct Scratch {
 }
 
 impl<'a> Picture<'a> {
-    fn open(directory: Directory<'a>, limits: &Limits) -> Result<Self, Fault> {
+    fn open(directory: Directory<'a>, limits: &Limits, watch: Watch<'a>) -> Result<Self, Fault> {
         let layout = Layout::of(&directory, limits)?;
         Chunks::check(&directory, &layout)?;
         let chunks = Chunks::of(&directory, &layout)?;
-        Ok(Self { directory, layout, chunks })
+        Ok(Self { directory, layout, chunks, watch })
     }
 
     /// Reads the heights of a band, voids as NaN.
-    fn heights(
-        &self,
-        input: &Input<'_>,
-        band: usize,
-        nodata: Option<f64>,
-        data: &mut [f32],
-    ) -> Result<(), Fault> {
+    fn heights(&self, band: usize, nodata: Option<f64>, data: &mut [f32]) -> Result<(), Fault> {
         // A float nodata is written with fewer digits than it has, so floats are compared as f32.
         let code = match nodata {
             Some(v) if self.layout.kind.is_float() => f64::from(v as f32),
@@ -145,13 +137,13 @@ impl<'a> Picture<'a> {
             let void = v == code || f64::from(v as f32) == code;
             *o = if void { f32::NAN } else { v as f32 };
         };
-        self.each(input, band, data, put, |out| out.fill(missing))
+        self.each(band, data, put, |out| out.fill(missing))
     }
 
     /// Makes voids where a mask or an alpha band of the file says that there is nothing.
     fn clear(
         &self,
-        input: &Input<'_>,
+        limits: &Limits,
         band: usize,
         data: &mut [f32],
         origin: &mut Origin,
@@ -163,12 +155,12 @@ impl<'a> Picture<'a> {
         };
         let all_void = |out: &mut [f32]| out.fill(f32::NAN);
         if let Some(alpha) = self.alpha()?.filter(|a| *a != band) {
-            self.each(input, alpha, data, zero_is_void, all_void)?;
+            self.each(alpha, data, zero_is_void, all_void)?;
             origin.notes.push(format!("band {} is alpha: what is clear in it is void", alpha + 1));
         }
-        let Some(mask) = self.mask(input.limits) else { return Ok(()) };
+        let Some(mask) = self.mask(limits) else { return Ok(()) };
         let mask = mask?;
-        mask.each(input, 0, data, zero_is_void, all_void)?;
+        mask.each(0, data, zero_is_void, all_void)?;
         origin.notes.push("a mask in the file says where it is void".into());
         Ok(())
     }
@@ -195,14 +187,13 @@ impl<'a> Picture<'a> {
                 && size == [self.layout.cols, self.layout.rows].map(|n| Some(n as u64))
         };
         let found = self.directory.others().into_iter().find(is_mask)?;
-        Some(Self::open(found, limits))
+        Some(Self::open(found, limits, self.watch))
     }
 
     /// Gives each sample of a band to `put`, with its place in the data, and each run of samples that the file leaves
     /// out to `miss`.
     fn each(
         &self,
-        input: &Input<'_>,
         band: usize,
         data: &mut [f32],
         put: impl Fn(f64, &mut f32) + Sync,
@@ -213,7 +204,7 @@ impl<'a> Picture<'a> {
         let lines = data.par_chunks_mut(layout.cols * rows_of_chunk).enumerate();
         lines.try_for_each_init(Scratch::default, |scratch, (j, out)| {
             for i in 0..layout.across()[0] {
-                input.watch.go_on()?;
+                self.watch.go_on()?;
                 self.chunk(band, [i, j], scratch, out, &put, &miss)?;
             }
             Ok(())
@@ -243,13 +234,15 @@ impl<'a> Picture<'a> {
             packed.iter_mut().for_each(|b| *b = b.reverse_bits());
         }
         let (line, rows) = (layout.line(), outs.len());
-        let (want, found) = (line * rows, layout.compression.unpack(packed, line * rows, unpacked)?);
+        let want = line * rows;
+        let found = layout.compression.unpack(packed, want, unpacked, &self.watch)?;
         if found < want {
             let what = if layout.tiled { "an unpacked tile" } else { "an unpacked strip" };
             return Err(Fault::Short { what, want: want as u64, found: found as u64 });
         }
         let how = layout.row(band);
         for (line, out) in unpacked.chunks_exact(line).zip(outs) {
+            self.watch.go_on()?;
             row.clear();
             row.extend_from_slice(line);
             how.unpredict(layout.predictor, row);

@@ -2,11 +2,12 @@
 
 use std::io::Read;
 
-use flate2::{Decompress, FlushDecompress};
+use flate2::{Decompress, FlushDecompress, Status};
 use lzma_rust2::XzReader;
 use ruzstd::decoding::{FrameDecoder, StreamingDecoder};
 
 use super::super::error::Fault;
+use super::super::watch::Watch;
 
 /// Most memory of an LZMA decoder, in KiB: the dictionary of the highest preset, and what stands around it.
 const LZMA_KIB: u32 = 72 * 1024;
@@ -39,6 +40,23 @@ impl Compression {
         })
     }
 
+    /// The most bytes that a byte of a file can be unpacked to.
+    pub(super) fn most(self) -> u64 {
+        match self {
+            Self::None => 1,
+            // 128 times a byte, in two.
+            Self::PackBits => 64,
+            // 258 bytes again, in two bits.
+            Self::Deflate => 1032,
+            // The longest string of a full table, 3838 bytes, in twelve bits.
+            Self::Lzw => 2560,
+            // 273 bytes again, in a third of a bit.
+            Self::Lzma => 8192,
+            // A block of 128 KiB of one value, in four bytes.
+            Self::Zstd => 32768,
+        }
+    }
+
     /// The most bytes that unpacking takes beside what is packed and what is wanted of it.
     pub(super) fn working_bytes(self, want: u64) -> u64 {
         match self {
@@ -51,32 +69,29 @@ impl Compression {
     }
 
     /// Unpacks the first `want` bytes into a buffer; gives how many there are.
-    pub(super) fn unpack(self, packed: &[u8], want: usize, buffer: &mut Vec<u8>) -> Result<usize, Fault> {
+    pub(super) fn unpack(
+        self,
+        packed: &[u8],
+        want: usize,
+        buffer: &mut Vec<u8>,
+        watch: &Watch<'_>,
+    ) -> Result<usize, Fault> {
         buffer.clear();
         buffer.try_reserve_exact(want).map_err(|_| Fault::NoMemory { bytes: want as u64 })?;
         match self {
             Self::None => buffer.extend_from_slice(&packed[..want.min(packed.len())]),
-            Self::Deflate => {
-                buffer.resize(want, 0);
-                let mut inflate = Decompress::new(true);
-                inflate.decompress(packed, buffer, FlushDecompress::Finish).map_err(does_not)?;
-                buffer.truncate(inflate.total_out() as usize);
-            }
-            Self::Lzw => {
-                buffer.resize(want, 0);
-                let filled = lzw(packed, buffer)?;
-                buffer.truncate(filled);
-            }
-            Self::PackBits => unpack_bits(packed, want, buffer),
+            Self::Deflate => inflate(packed, want, buffer, watch)?,
+            Self::Lzw => lzw(packed, want, buffer, watch)?,
+            Self::PackBits => unpack_bits(packed, want, buffer, watch)?,
             Self::Zstd => {
                 let mut frames = FrameDecoder::new();
                 frames.set_max_window_size(window(want as u64));
                 let mut decoder = StreamingDecoder::new_with_decoder(packed, frames).map_err(does_not)?;
-                take(&mut decoder, want, buffer)?;
+                take(&mut decoder, want, buffer, watch)?;
             }
             Self::Lzma => {
                 let mut decoder = XzReader::new_mem_limit(packed, false, LZMA_KIB);
-                take(&mut decoder, want, buffer)?;
+                take(&mut decoder, want, buffer, watch)?;
             }
         }
         Ok(buffer.len())
@@ -92,32 +107,75 @@ fn does_not(why: impl std::fmt::Display) -> Fault {
     Fault::Damaged(format!("a strip or tile does not unpack: {why}"))
 }
 
+/// Bytes that are unpacked between two looks at the signal.
+const PIECE: usize = 1 << 22;
+
 /// Takes bytes from a decoder until there are enough.
-fn take(decoder: &mut impl Read, want: usize, buffer: &mut Vec<u8>) -> Result<(), Fault> {
-    decoder.take(want as u64).read_to_end(buffer).map_err(does_not)?;
+fn take(decoder: &mut impl Read, want: usize, buffer: &mut Vec<u8>, watch: &Watch<'_>) -> Result<(), Fault> {
+    while buffer.len() < want {
+        watch.go_on()?;
+        let piece = (want - buffer.len()).min(PIECE);
+        if decoder.by_ref().take(piece as u64).read_to_end(buffer).map_err(does_not)? == 0 {
+            break;
+        }
+    }
     Ok(())
 }
 
-fn lzw(mut packed: &[u8], out: &mut [u8]) -> Result<usize, Fault> {
-    let mut decoder = weezl::decode::Decoder::with_tiff_size_switch(weezl::BitOrder::Msb, 8);
+/// Fills a buffer piece by piece; `step` takes what is left of the input and fills what it can of a piece, and gives
+/// how many bytes it took, how many it gave, and whether it is done.
+fn fill(
+    mut packed: &[u8],
+    want: usize,
+    buffer: &mut Vec<u8>,
+    watch: &Watch<'_>,
+    mut step: impl FnMut(&[u8], &mut [u8]) -> Result<(usize, usize, bool), Fault>,
+) -> Result<(), Fault> {
     let mut filled = 0;
-    while filled < out.len() {
-        let step = decoder.decode_bytes(packed, &mut out[filled..]);
-        packed = &packed[step.consumed_in..];
-        filled += step.consumed_out;
-        match step.status {
-            Ok(weezl::LzwStatus::Ok) if step.consumed_in + step.consumed_out > 0 => (),
-            Ok(_) => break,
-            Err(e) => return Err(does_not(e)),
+    loop {
+        watch.go_on()?;
+        let end = want.min(filled + PIECE);
+        if buffer.len() < end {
+            buffer.resize(end, 0);
+        }
+        let (taken, given, done) = step(packed, &mut buffer[filled..end])?;
+        packed = &packed[taken..];
+        filled += given;
+        if done || filled == want || taken + given == 0 {
+            buffer.truncate(filled);
+            return Ok(());
         }
     }
-    Ok(filled)
+}
+
+fn inflate(packed: &[u8], want: usize, buffer: &mut Vec<u8>, watch: &Watch<'_>) -> Result<(), Fault> {
+    let mut inflate = Decompress::new(true);
+    fill(packed, want, buffer, watch, |packed, out| {
+        let before = [inflate.total_in(), inflate.total_out()];
+        let status = inflate.decompress(packed, out, FlushDecompress::None).map_err(does_not)?;
+        let [taken, given] = [inflate.total_in() - before[0], inflate.total_out() - before[1]];
+        Ok((taken as usize, given as usize, status == Status::StreamEnd))
+    })
+}
+
+fn lzw(packed: &[u8], want: usize, buffer: &mut Vec<u8>, watch: &Watch<'_>) -> Result<(), Fault> {
+    let mut decoder = weezl::decode::Decoder::with_tiff_size_switch(weezl::BitOrder::Msb, 8);
+    fill(packed, want, buffer, watch, |packed, out| {
+        let step = decoder.decode_bytes(packed, out);
+        let status = step.status.map_err(does_not)?;
+        Ok((step.consumed_in, step.consumed_out, !matches!(status, weezl::LzwStatus::Ok)))
+    })
 }
 
 /// Undoes run-length packing (TIFF 6.0, section 9).
-fn unpack_bits(mut packed: &[u8], want: usize, out: &mut Vec<u8>) {
+fn unpack_bits(mut packed: &[u8], want: usize, out: &mut Vec<u8>, watch: &Watch<'_>) -> Result<(), Fault> {
+    let mut pause = 0;
     while out.len() < want {
-        let [code, rest @ ..] = packed else { return };
+        if out.len() >= pause {
+            watch.go_on()?;
+            pause = out.len() + PIECE;
+        }
+        let [code, rest @ ..] = packed else { break };
         let code = *code as i8;
         if code >= 0 {
             let n = (code as usize + 1).min(rest.len());
@@ -126,9 +184,10 @@ fn unpack_bits(mut packed: &[u8], want: usize, out: &mut Vec<u8>) {
         } else if code == -128 {
             packed = rest;
         } else {
-            let [value, rest @ ..] = rest else { return };
+            let [value, rest @ ..] = rest else { break };
             out.resize(out.len() + (1 - i16::from(code)) as usize, *value);
             packed = rest;
         }
     }
+    Ok(())
 }

@@ -336,7 +336,7 @@ fn world_files_and_prj_beside_a_file_give_its_place() {
     assert_eq!((bad.placement.affine, notes(&bad).contains("six numbers")), (None, true));
     assert_eq!(
         orograph::files::companions("d/a.tif"),
-        ["d/a.tfw", "d/a.prj"],
+        ["d/a.tfw", "d/a.tifw", "d/a.wld", "d/a.prj", "d/a.tif.aux.xml", "d/a.tif.msk"],
         "TIFF says the rest itself; what else stands beside it is not read"
     );
 }

@@ -223,7 +223,8 @@ fn the_sidecar_gives_metres() {
     let node = ImportHeight { file: FilePath("a.png".into()), ..node(Placing::Stretch) };
     let names: Vec<_> = node.files().into_iter().map(|f| (f.name, f.optional)).collect();
     let beside = |extension: &str| (format!("a.{extension}"), extension != "png");
-    assert_eq!(names, ["png", "json", "pgw", "prj"].map(beside));
+    let all = ["png", "json", "pgw", "pngw", "wld", "prj", "png.aux.xml", "png.msk"];
+    assert_eq!(names, all.map(beside));
     let grid = terrain.grid(9).expect("fits");
     let out = run(&node, &both, &terrain, grid).expect("runs");
     assert!(out.height.data().iter().enumerate().all(|(k, v)| (v - k as f32).abs() < 3e-3));

@@ -1,0 +1,130 @@
+//! What GDAL writes beside a file that cannot say it: `NAME.aux.xml`, of which void, scale, offset and unit of a band
+//! are read, and a mask `NAME.msk`, which is not read.
+
+use quick_xml::Reader;
+use quick_xml::XmlVersion;
+use quick_xml::events::{BytesStart, Event};
+
+use super::epsg;
+use super::height::HeightFile;
+use super::input::Input;
+use super::voids::strike;
+
+/// Extensions behind the whole name of a file.
+pub(super) const BESIDE: [&str; 2] = ["aux.xml", "msk"];
+
+/// What is said of a band.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Band {
+    nodata: Option<f64>,
+    scale: Option<f64>,
+    offset: Option<f64>,
+    unit: String,
+}
+
+/// Gives a file what stands beside it in the ways of GDAL, and says what is not read.
+pub(super) fn apply(input: &Input<'_>, file: &mut HeightFile) {
+    if input.companion("msk").is_some() {
+        let note = "a mask of GDAL, `.msk`, stands beside it and is not read: its voids are not known";
+        file.origin.notes.push(note.into());
+    }
+    let Some(xml) = input.companion("aux.xml") else { return };
+    let number = input.reading.channel.as_deref().and_then(|c| c.parse().ok()).unwrap_or(1);
+    let Some(band) = Band::parse(&String::from_utf8_lossy(xml), number) else {
+        file.origin.notes.push("the `.aux.xml` beside it is not understood".into());
+        return;
+    };
+    let unit = epsg::metres_of_word(&band.unit);
+    if unit.is_none() && !band.unit.is_empty() {
+        let word = &band.unit;
+        let note =
+            format!("the unit of the `.aux.xml` beside it, \"{word}\", is not known: it is taken for metres");
+        file.origin.notes.push(note);
+    }
+    let nodata = band.nodata.filter(|_| file.origin.nodata.is_none());
+    let (factor, summand) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
+    let scales = (factor, summand, unit.unwrap_or(1.0)) != (1.0, 0.0, 1.0);
+    // The word of the file itself goes first, and its numbers are no longer those that the other one speaks of.
+    if !file.origin.plain {
+        if scales || nodata.is_some() {
+            let note = "scale, unit and nodata of the `.aux.xml` beside it are not read: the file has a scale of its own";
+            file.origin.notes.push(note.into());
+        }
+        return;
+    }
+    if let Some(code) = nodata {
+        strike(&mut file.data, nodata);
+        file.origin.nodata = nodata;
+        file.origin.notes.push(format!("{code} marks voids, as the `.aux.xml` beside it says"));
+    }
+    let metres = unit.unwrap_or(1.0);
+    file.scale(factor * metres, summand * metres);
+    file.metres |= scales || unit.is_some();
+}
+
+impl Band {
+    /// What a text says of a band, counted from 1; nothing where it is no XML.
+    fn parse(xml: &str, number: u64) -> Option<Self> {
+        let mut reader = Reader::from_str(xml);
+        let (mut band, mut inside, mut key, mut text) =
+            (Self::default(), false, String::new(), String::new());
+        loop {
+            match reader.read_event().ok()? {
+                Event::Start(tag) if tag.name().as_ref() == b"PAMRasterBand" => {
+                    inside = is_band(&tag, number)
+                }
+                Event::End(tag) if tag.name().as_ref() == b"PAMRasterBand" => inside = false,
+                Event::Start(tag) => {
+                    key = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
+                    text.clear();
+                }
+                Event::Text(part) => text += &part.decode().ok()?,
+                Event::End(tag) => {
+                    if inside && tag.name().as_ref() == key.as_bytes() {
+                        band.take(&key, text.trim());
+                    }
+                    key.clear();
+                }
+                Event::Eof => return Some(band),
+                _ => (),
+            }
+        }
+    }
+
+    fn take(&mut self, key: &str, text: &str) {
+        let finite = || text.parse().ok().filter(|v: &f64| v.is_finite());
+        match key {
+            "NoDataValue" => self.nodata = finite(),
+            "Scale" => self.scale = finite().filter(|v| *v != 0.0),
+            "Offset" => self.offset = finite(),
+            "UnitType" => self.unit = text.to_owned(),
+            _ => (),
+        }
+    }
+}
+
+/// Whether an element is that of a band; one without a number is the first.
+fn is_band(tag: &BytesStart<'_>, number: u64) -> bool {
+    let attribute = tag.try_get_attribute("band").ok().flatten();
+    let value =
+        attribute.and_then(|a| a.normalized_value(XmlVersion::Implicit1_0).ok().map(|v| v.into_owned()));
+    value.and_then(|v| v.trim().parse().ok()).unwrap_or(1) == number
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_band_is_found_by_its_number() {
+        let xml = r#"<PAMDataset><Metadata><MDI key="x">1</MDI></Metadata>
+            <PAMRasterBand band="1"><NoDataValue le_hex_equiv="00">-9.999E3</NoDataValue><UnitType>ft</UnitType></PAMRasterBand>
+            <PAMRasterBand band="2"><Offset>5</Offset><Scale>0.1</Scale></PAMRasterBand></PAMDataset>"#;
+        let first = Band { nodata: Some(-9999.0), unit: "ft".into(), ..Band::default() };
+        assert_eq!(Band::parse(xml, 1), Some(first));
+        let second = Band { scale: Some(0.1), offset: Some(5.0), ..Band::default() };
+        assert_eq!(Band::parse(xml, 2), Some(second));
+        assert_eq!(Band::parse(xml, 3), Some(Band::default()));
+        assert_eq!(Band::parse("<PAMDataset></x>", 1), None);
+    }
+}

@@ -1,0 +1,117 @@
+//! Commands that are asked to stop, or have nothing to read, end at once.
+
+#![cfg(unix)]
+
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::cli::{code, orograph, run, said, text};
+
+/// How long the end may take: far more than it does, on a machine that is busy, and far less than the work.
+const SOON: Duration = Duration::from_secs(5);
+
+/// A TIFF of one strip of bytes, all the same, that takes a while to unpack.
+fn one_strip(side: u32) -> Vec<u8> {
+    let mut deflate = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    let line = vec![0; side as usize * 4];
+    (0..side).for_each(|_| std::io::Write::write_all(&mut deflate, &line).expect("into memory"));
+    let strip = deflate.finish().expect("into memory");
+    let mut out = b"II*\0\0\0\0\0".to_vec();
+    out.extend(&strip);
+    let directory = out.len() as u32;
+    out[4..8].copy_from_slice(&directory.to_le_bytes());
+    let entries: [(u16, u16, u32); 10] = [
+        (256, 4, side),
+        (257, 4, side),
+        (258, 3, 32),
+        (259, 3, 8),
+        (262, 3, 1),
+        (273, 4, 8),
+        (277, 3, 1),
+        (278, 4, side),
+        (279, 4, strip.len() as u32),
+        (339, 3, 3),
+    ];
+    out.extend((entries.len() as u16).to_le_bytes());
+    for (tag, kind, value) in entries {
+        out.extend([tag.to_le_bytes(), kind.to_le_bytes()].concat());
+        out.extend([1u32.to_le_bytes(), value.to_le_bytes()].concat());
+    }
+    out.extend([0; 4]);
+    out
+}
+
+/// Runs a command, interrupts it after a while, and tells how long it took to end.
+fn interrupted(args: &[&str], after: Duration) -> (i32, Duration, String) {
+    let mut command = orograph();
+    let child = command.args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(after);
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let begun = Instant::now();
+    let ended = child.wait_with_output().unwrap();
+    (code(&ended), begun.elapsed(), said(&ended))
+}
+
+#[test]
+fn reading_stops_when_it_is_asked_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| text(&folder.path().join(name));
+    std::fs::write(path("a.tif"), one_strip(8_000)).unwrap();
+    let (tif, out) = (path("a.tif"), path("b.tif"));
+    for args in [&["info", tif.as_str()][..], &["convert", &tif, &out]] {
+        let (code, took, said) = interrupted(args, Duration::from_millis(60));
+        // A machine that has read it within that time has nothing left to stop.
+        assert!(code == 130 || code == 0, "{args:?}: {code}, {said}");
+        assert!(took < SOON, "{args:?}: {took:?}");
+        assert!(code == 0 || !folder.path().join("b.tif").exists(), "{args:?} left a file");
+    }
+}
+
+/// A file that is none of its kind is not read to its end to know that.
+#[test]
+fn a_plan_looks_at_headers_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| text(&folder.path().join(name));
+    let curves = r#"
+        "r": { "kind": "curve_raster", "in": { "curves": "n.curves" } },
+        "d": { "kind": "diffuse", "in": { "constraints": "r.constraints" } },"#;
+    for (kind, name, more, from) in [
+        ("import_height", "a.tif", "", "n.height"),
+        ("import_picture", "a.png", "", "n.mask"),
+        ("import_curves", "a.svg", curves, "d.height"),
+    ] {
+        // A hole, which takes no room on the disk.
+        std::fs::File::create(path(name)).unwrap().set_len(8 << 30).unwrap();
+        let graph = format!(
+            r#"{{ "orograph": 1,
+                "nodes": {{ {more} "n": {{ "kind": "{kind}", "set": {{ "file": "{name}" }} }} }},
+                "outputs": {{ "o": {{ "from": "{from}", "format": "tiff" }} }} }}"#
+        );
+        std::fs::write(path("a.graph"), graph).unwrap();
+        let begun = Instant::now();
+        let planned = run(&["plan", &path("a.graph")]);
+        assert!(begun.elapsed() < SOON, "{name}: {:?}", begun.elapsed());
+        assert_eq!(code(&planned), 4, "{name}: {}", said(&planned));
+        assert!(said(&planned).contains(name), "{}", said(&planned));
+    }
+}
+
+/// What only looks at a graph stops as well, however many nodes it has.
+#[test]
+fn a_long_chain_is_left_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = text(&folder.path().join("chain.graph"));
+    let link = |i: u32| format!(r#""n{i}": {{ "kind": "invert", "in": {{ "field": "n{}.field" }} }}"#, i - 1);
+    let links: Vec<_> = (1..20_000).map(link).collect();
+    let graph = format!(
+        r#"{{ "orograph": 1, "nodes": {{ "n0": {{ "kind": "constant" }}, {} }},
+            "outputs": {{ "o": {{ "from": "n19999.field", "format": "r32" }} }} }}"#,
+        links.join(", ")
+    );
+    std::fs::write(&path, graph).unwrap();
+    for args in [&["check", path.as_str()][..], &["plan", &path], &["fmt", "--check", &path]] {
+        let (code, took, said) = interrupted(args, Duration::from_millis(150));
+        assert!(took < SOON, "{args:?}: {code} after {took:?}, {:?}", said.lines().last());
+    }
+}
