@@ -2,7 +2,8 @@
 //!
 //! `cargo bench --bench budgets` prints the table of docs/budgets.md and says at the end what misses a bar. Arguments
 //! narrow it down: names of presets (or of the cases `render`, `base`, `chain`), `--sizes 513,tiles`,
-//! `--budgets default,least`, `--threads N`. The whole table takes most of an hour on two cores.
+//! `--budgets default,least`, `--threads N`; `--program FILE` measures another build of the program. The whole table
+//! takes most of an hour on two cores.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -13,7 +14,6 @@ use orograph::files::{Format, WriteJob, encode};
 use orograph::value::{Field, Quantity, Terrain, Value};
 use serde_json::{Map, Value as Json, json};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_orograph");
 const MIB: f64 = 1024.0 * 1024.0;
 /// The process may take this many times the planned bytes, beside the idle program.
 const OVER: f64 = 1.25;
@@ -53,13 +53,15 @@ struct Asked {
     sizes: Vec<String>,
     budgets: Vec<String>,
     threads: String,
+    program: String,
 }
 
 impl Asked {
     fn new(arguments: impl Iterator<Item = String>) -> Self {
         let list = |text: &str| text.split(',').map(str::to_owned).collect::<Vec<_>>();
         let (sizes, budgets) = (list("513,1025,2049,4097,tiles"), list("default,least"));
-        let mut asked = Self { names: Vec::new(), sizes, budgets, threads: "2".into() };
+        let program = env!("CARGO_BIN_EXE_orograph").to_owned();
+        let mut asked = Self { names: Vec::new(), sizes, budgets, threads: "2".into(), program };
         // `cargo bench` adds an argument of its own.
         let mut arguments = arguments.filter(|a| a != "--bench");
         while let Some(argument) = arguments.next() {
@@ -68,6 +70,7 @@ impl Asked {
                 "--sizes" => asked.sizes = list(&value()),
                 "--budgets" => asked.budgets = list(&value()),
                 "--threads" => asked.threads = value(),
+                "--program" => asked.program = value(),
                 _ => asked.names.push(argument),
             }
         }
@@ -195,7 +198,7 @@ impl Case {
     }
 
     fn program(&self, command: &str, asked: &Asked, more: &[&str]) -> Output {
-        let mut program = Command::new(PROGRAM);
+        let mut program = Command::new(&asked.program);
         program.arg(command).arg(&self.graph).args(&self.set).args(&self.options);
         program.args(["--threads", &asked.threads]).args(more).output().expect("the program")
     }
@@ -238,7 +241,7 @@ impl Case {
     /// Runs the program under GNU time: its output, the most MiB it held, its processor seconds.
     fn measured(&self, command: &str, asked: &Asked, more: &[&str]) -> (Output, f64, f64) {
         let mut time = Command::new("/usr/bin/time");
-        time.args(["-q", "-f", "%M %U %S", PROGRAM, command]).arg(&self.graph).args(&self.set);
+        time.args(["-q", "-f", "%M %U %S", &asked.program, command]).arg(&self.graph).args(&self.set);
         time.args(&self.options).args(["--threads", &asked.threads]).args(more);
         let output = time.output().expect("GNU time");
         let said = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -8,22 +8,25 @@ use crate::value::curves::CurveError;
 ///
 /// Beside each curve lies its plateau, on which height, amplitude and roughness are fixed, and beyond it on both sides
 /// the slope, on which the steepness fades linearly to nothing [hnaidi2010, section 4.1]. Where fixed values of several
-/// curves meet they are averaged; where gradients of different curves meet the samples are left open, and diffusion
-/// fills them. A curve with slopes and no height gives its gradient the other way round, so that heights flow towards
-/// it and the slope stays what it is; across a cliff they flow down all the way.
+/// curves meet they are averaged. Where slopes of different curves meet, the ground lies between those that each of them
+/// gives, the nearer curve counting for more. A curve with slopes and no height gives its gradient the other way round,
+/// so that heights flow towards it and the slope stays what it is; across a cliff they flow down all the way.
 ///
 /// Edges lie between samples: a sample beside one says how far off it is, and a slope says what it rises from sample to
 /// sample, so that walls are smooth along their curves, not stairs of base cells.
 ///
 /// # Differs from the paper
-/// The paper paints quadrangles over each other; here a sample takes the gradient of its nearest place on the curve,
-/// so that a strip that folds over itself at a sharp bend has neither holes nor spikes. Outer sides of bends are
-/// round. Beside free ground and around the ends of a curve a slope is followed less and less, so that it shows no border.
-/// A plateau thinner than a cell marks a connected line of samples. The strip that is smoothed into an existing
-/// terrain [weiss2015, chapter V] may fade over a share of its width.
+/// The paper leaves samples open where gradients meet. Diffusion then fills them with gradients that no ground has, and
+/// land that follows these from both curves piles up to horns. The paper paints quadrangles over each other; here a
+/// sample takes the gradient of its nearest place on the curve, so that a strip that folds over itself at a sharp bend
+/// has neither holes nor spikes. Outer sides of bends are round. Beside free ground and around the ends of a curve a
+/// slope is followed less and less, so that it shows no border. A plateau thinner than a cell marks a connected line of
+/// samples. The strip that is smoothed into an existing terrain [weiss2015, chapter V] may fade over a share of its
+/// width.
 ///
 /// # Limits
-/// It stands on the base grid: features narrower than two of its cells are coarse.
+/// It stands on the base grid: features narrower than two of its cells are coarse. Where the slope of a curve that has
+/// no height (a crack, a cliff) meets another, samples are left open, as in the paper: cracks that cross dig deeper there.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CurveRaster {
@@ -45,13 +48,10 @@ ports! {
 impl Node for CurveRaster {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta = Meta::new().cite(&["hnaidi2010", "weiss2015"]).keywords(&[
-        "rasterize",
-        "constraint",
-        "plateau",
-        "slope",
-        "draw",
-    ]);
+    const META: Meta = Meta::new()
+        .cite(&["hnaidi2010", "weiss2015"])
+        .keywords(&["rasterize", "constraint", "plateau", "slope", "draw"])
+        .migrations(&[|_| {}]);
 
     fn reach(&self) -> Reach {
         Reach::Global

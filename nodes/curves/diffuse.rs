@@ -11,8 +11,9 @@ use crate::value::{Mark, Planes};
 /// First the gradient, its direction and its steepness, is spread from the slopes beside the curves; then the height,
 /// guided by it [hnaidi2010, section 4.2]. The height of a sample is
 /// `laplace · mean of its neighbours + gradient · (neighbour towards the curve + G) + fixed · constraint`, the three
-/// weights summing to 1: on plateaus `fixed` is `hold`, on slopes `gradient` is `follow`, elsewhere all is `laplace`. Of a
-/// sample beside the edge of a plateau `fixed` shares with the neighbours beyond, by the distance of the edge.
+/// weights summing to 1: on plateaus `fixed` is `hold`, on slopes `gradient` is `follow`, elsewhere all is `laplace`.
+/// Where slopes of several curves meet and none is much nearer, `fixed` is `follow` instead, at a height between theirs.
+/// Of a sample beside the edge of a plateau `fixed` shares with the neighbours beyond, by the distance of the edge.
 /// Amplitude and roughness of `multifractal` spread from where curves set them.
 ///
 /// With a `base` it works inside the smoothed strips of the curves only [weiss2015, chapter V]: beyond them, and where
@@ -26,9 +27,12 @@ use crate::value::{Mark, Planes};
 /// for opposite things: Weiss's 0.9 on plateaus is a `hold` of 0.9.
 ///
 /// # Limits
-/// It runs on the base grid. `paper` is fast and not settled far from curves: wide empty land keeps a trace of the
-/// coarse grids; `converged` is the exact answer, and slower. Half slope and half smoothness is a matter of cells:
-/// walls of fewer than about ten base cells dip the land beside them in `converged`; raise `follow` or the base there.
+/// It runs on the base grid. Half slope and half smoothness is a matter of cells: walls of fewer than about ten base
+/// cells dip the land beside them in `converged`; raise `follow` or the base there.
+///
+/// `paper` and `converged` make two landscapes, and one is no draft of the other. `paper` is fast and not settled far from
+/// curves: wide empty land keeps a trace of the coarse grids, on which slopes are thinner than a cell and raise little, so
+/// the plateau beside a gorge may lie a hundred metres lower than in `converged`, which is the exact answer, and slower.
 ///
 /// # See also
 /// `curve_raster` makes the constraints; `multifractal` takes amplitude and roughness.
@@ -48,7 +52,8 @@ pub struct Diffuse {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Quality {
-    /// As in the paper: from coarse to fine, some sweeps on each grid. Fast.
+    /// As in the paper: from coarse to fine, some sweeps on each grid. Fast, and not a draft of the other: what lies far
+    /// from curves comes out at other heights.
     #[default]
     Paper,
     /// Down to an error of a hundred-thousandth of the range.
@@ -159,10 +164,13 @@ impl Diffuse {
         // Where a plateau ends between samples, the neighbours beyond have their share.
         let [x, y] = planes.lean.as_ref().map_or([0.0; 2], |p| p[i]);
         let beyond = (x * x + y * y).sqrt();
-        let guided = height.is_none() && mark & (Mark::Gradient.bit() | Mark::Open.bit()) != 0;
-        let hold = if height.is_some() { self.hold.0 as f32 } else { 0.0 };
+        let ground = planes.ground.as_ref().filter(|_| !known).map_or(0.0, |p| p[i]);
+        let height = height.or_else(|| planes.height.as_ref().filter(|_| ground > 0.0).map(|p| p[i]));
+        let guided = !known && mark & (Mark::Gradient.bit() | Mark::Open.bit()) != 0;
+        let follow = self.follow.0 as f32;
+        let hold = if known { self.hold.0 as f32 } else { follow * ground };
         let trust = planes.trust.as_ref().map_or(1.0, |p| p[i]);
-        let gradient = if guided { self.follow.0 as f32 * trust } else { hold * beyond };
+        let gradient = if guided { follow * trust } else { hold * beyond };
         let hold = hold * (1.0 - beyond);
         let Some(base) = base else {
             return Weights { fixed: hold, target: height.unwrap_or(0.0), gradient };

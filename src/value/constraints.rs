@@ -13,7 +13,7 @@ pub enum Mark {
     Gradient,
     /// Amplitude and roughness of its noise.
     Noise,
-    /// That gradients of different curves meet there, so that none is given.
+    /// That a slope holds it whose gradient is not known there: gradients cancel.
     Open,
     /// That a plateau ends within a step of it: its height is that of the plateau, [`Planes::lean`] says how far off.
     Edge,
@@ -37,7 +37,8 @@ impl Mark {
 pub struct Planes {
     /// Bits of [`Mark`].
     pub marks: Vec<u8>,
-    /// Height of the plateau that holds the sample, or ends right beside it, in metres.
+    /// Height of the plateau that holds the sample, or ends right beside it; where [`Planes::ground`] is above 0, that of
+    /// the ground between the slopes that meet. In metres.
     pub height: Option<Vec<f32>>,
     /// How the edge of a plateau lies between samples: the direction away from it, as long as the share of the
     /// neighbours over there in the height of the sample; the plateau has the rest. 0 where the plateau alone counts.
@@ -49,6 +50,9 @@ pub struct Planes {
     pub steepness: Option<Vec<f32>>,
     /// How far the gradient of a sample is followed, from 0 to 1: less towards the ends of a slope.
     pub trust: Option<Vec<f32>>,
+    /// How far the height is followed where slopes of several curves meet, from 0 to 1; there the gradient is followed as
+    /// far as [`Planes::trust`] besides.
+    pub ground: Option<Vec<f32>>,
     /// Amplitude in metres and roughness from 0 to 1.
     pub noise: Option<Vec<[f32; 2]>>,
     /// Weight of smoothing into an existing terrain, from 0 to 1.
@@ -70,7 +74,7 @@ impl Constraints {
     pub fn new(grid: Grid, planes: Planes) -> Self {
         let n = grid.len();
         let fits = |len: Option<usize>| len.is_none_or(|len| len == n);
-        let Planes { marks, height, lean, direction, steepness, trust, noise, envelope } = &planes;
+        let Planes { marks, height, lean, direction, steepness, trust, ground, noise, envelope } = &planes;
         let all = [
             Some(marks.len()),
             height.as_ref().map(Vec::len),
@@ -78,6 +82,7 @@ impl Constraints {
             direction.as_ref().map(Vec::len),
             steepness.as_ref().map(Vec::len),
             trust.as_ref().map(Vec::len),
+            ground.as_ref().map(Vec::len),
             noise.as_ref().map(Vec::len),
             envelope.as_ref().map(Vec::len),
         ];
@@ -113,6 +118,14 @@ impl Constraints {
         (self.has(Mark::Edge, [col, row]) || both.1 != [0.0; 2]).then_some(both)
     }
 
+    /// Where slopes of several curves meet at a column and row of the window: the height between theirs, and how far it is
+    /// followed.
+    pub fn ground(&self, [col, row]: [usize; 2]) -> Option<(f32, f32)> {
+        let at = row * self.grid.cols + col;
+        let both = (self.planes.height.as_ref()?[at], self.planes.ground.as_ref()?[at]);
+        (both.1 > 0.0).then_some(both)
+    }
+
     /// Direction and steepness at a column and row of the window.
     pub fn gradient(&self, [col, row]: [usize; 2]) -> Option<([f32; 2], f32)> {
         let at = row * self.grid.cols + col;
@@ -139,7 +152,7 @@ impl Constraints {
 
     /// Column and row of the first sample, in row order, of a plane that has a number that is not finite.
     pub fn first_not_finite(&self) -> Option<(usize, usize)> {
-        let Planes { height, lean, direction, steepness, trust, noise, envelope, .. } = &*self.planes;
+        let Planes { height, lean, direction, steepness, trust, ground, noise, envelope, .. } = &*self.planes;
         let first = |plane: Option<&[f32]>, channels: usize| {
             plane.and_then(|p| p.iter().position(|v| !v.is_finite())).map(|at| at / channels)
         };
@@ -151,6 +164,7 @@ impl Constraints {
             pairs(direction),
             single(steepness),
             single(trust),
+            single(ground),
             pairs(noise),
             single(envelope),
         ];
@@ -166,6 +180,7 @@ impl Constraints {
             + 8 * u64::from(p.direction.is_some())
             + 4 * u64::from(p.steepness.is_some())
             + 4 * u64::from(p.trust.is_some())
+            + 4 * u64::from(p.ground.is_some())
             + 8 * u64::from(p.noise.is_some())
             + 4 * u64::from(p.envelope.is_some());
         per_sample * self.grid.len() as u64

@@ -52,7 +52,7 @@ impl WireType {
             Self::Vectors => 8,
             Self::Colors => 12,
             Self::Curves => 0,
-            Self::Constraints => 41,
+            Self::Constraints => 45,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Tests of feature curves: the model, the raster.
 
+mod crossing;
 mod edit;
 mod land;
 mod model;

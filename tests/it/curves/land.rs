@@ -10,12 +10,17 @@ use super::{curves, grid, raster, samples};
 const ANGLES: [f64; 6] = [0.0, 7.0, 17.0, 30.0, 45.0, 73.0];
 const MIDDLE: f64 = 80.0;
 
-/// The settled land of some curves.
-fn land(set: &Curves, grid: Grid) -> Field {
+/// The land of some curves.
+pub(super) fn solved(set: &Curves, grid: Grid, quality: Quality) -> Field {
     let (terrain, cancel) = (Terrain::default(), Cancel::default());
-    let node = Diffuse { quality: Quality::Converged, ..Diffuse::default() };
+    let node = Diffuse { quality, ..Diffuse::default() };
     let inputs = Inputs { constraints: raster(set, &grid), base: None };
     node.run(&Context::bare(grid, &terrain, &cancel), inputs).expect("land").height
+}
+
+/// The settled land of some curves.
+fn land(set: &Curves, grid: Grid) -> Field {
+    solved(set, grid, Quality::Converged)
 }
 
 /// The largest error in a straight scene turned about its middle, of the samples whose distance south of the middle line

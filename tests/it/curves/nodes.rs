@@ -76,6 +76,20 @@ fn a_fault_in_a_curve_names_it() {
     assert!(said.iter().any(|p| p.contains("95")), "{said:?}");
 }
 
+/// Results where slopes meet are others than those of the first version; its parameters are the same.
+#[test]
+fn an_old_graph_of_curves_opens() {
+    let mut old = graph(&json!([]), None);
+    old["kinds"] = json!({ "curve_raster": 1 });
+    old["nodes"]["raster"]["set"] = json!({ "feather": 0.25 });
+    let g = Graph::from_bytes(old.to_string().as_bytes(), &Registry::standard()).unwrap();
+    let said: Vec<String> = g.problems().iter().map(ToString::to_string).collect();
+    assert!(!said.iter().any(|p| p.contains("curve_raster")), "{said:?}");
+    let saved: Json = serde_json::from_slice(&g.canonical()).unwrap();
+    assert_eq!(saved["nodes"]["raster"]["set"], json!({ "feather": 0.25 }));
+    assert_eq!(saved["kinds"]["curve_raster"], json!(2));
+}
+
 #[test]
 fn curves_are_no_output() {
     let mut g = graph(&json!([]), None);

@@ -175,6 +175,20 @@ fn a_strip_that_folds_has_no_hole_and_no_spike() {
     }
 }
 
+/// A crack does not know how high its ground is.
+#[test]
+fn where_the_slope_of_a_crack_meets_another_the_gradient_is_left_open() {
+    let crack = r#"{"line":[0,50,100,50],"slope":[0,20,20,30,30]}"#;
+    let other = r#"{"line":[50,0,50,100],"slope":[0,20,20,30,30]}"#;
+    let ridge = r#"{"line":[50,0,50,100],"height":[0,200,0],"slope":[0,20,20,-30,-30]}"#;
+    for scene in [[crack, other], [crack, ridge], [ridge, crack]] {
+        let c = raster(&curves(&scene), &grid([0.0; 2], 1.0, 101));
+        assert!(c.has(Mark::Open, [60, 60]) && c.gradient([60, 60]).is_none());
+        assert!(c.planes().ground.as_ref().is_none_or(|p| p[60 * 101 + 60] == 0.0));
+        assert!(c.has(Mark::Gradient, [20, 60]) && !c.has(Mark::Open, [20, 60]));
+    }
+}
+
 #[test]
 fn a_curve_that_crosses_itself_averages_its_heights() {
     // A loop: the first passage to the east at u ≈ 0.25, the second to the north at u ≈ 0.75.
@@ -193,7 +207,7 @@ fn a_curve_that_crosses_itself_averages_its_heights() {
 }
 
 #[test]
-fn where_curves_cross_heights_are_averaged_and_gradients_left_open() {
+fn where_curves_cross_plateaus_are_averaged_and_the_ground_lies_between() {
     let a = r#"{"line":[0,50,100,50],"height":[0,100,5],"slope":[0,20,20,-30,-30],"noise":[0,10,0.2]}"#;
     let b = r#"{"line":[50,0,50,100],"height":[0,200,5],"slope":[0,20,20,-30,-30],"noise":[0,30,0.6]}"#;
     let g = grid([0.0; 2], 1.0, 101);
@@ -202,9 +216,20 @@ fn where_curves_cross_heights_are_averaged_and_gradients_left_open() {
     assert_eq!(c.noise([50, 50]), Some([20.0, 0.4]));
     assert_eq!(c.height([20, 50]), Some(100.0));
     assert_eq!(c.height([50, 20]), Some(200.0));
-    // Slopes of both: open, and nothing stands there.
-    assert!(c.has(Mark::Open, [60, 60]) && c.gradient([60, 60]).is_none());
-    assert_eq!(c.planes().steepness.as_ref().expect("a plane")[60 * 101 + 60], 0.0);
+    // Slopes of both, equally near: the middle of their heights is followed, and no gradient.
+    let fall = libm::tan(30_f64.to_radians()) * 5.0 * (1.0 - 0.5 * 5.0 / 20.0);
+    let (height, share) = c.ground([60, 60]).expect("ground");
+    assert!((f64::from(height) - (150.0 - fall)).abs() < 1e-3 && share == 1.0, "{height}, {share}");
+    assert_eq!(c.planes().trust.as_ref().expect("a plane")[60 * 101 + 60], 0.0);
+    assert!(c.height([60, 60]).is_none() && !c.has(Mark::Open, [60, 60]));
+    // Near one of them its own slope holds, with a share of 1 − w / Σ w of the other four times over.
+    let (height, share) = c.ground([57, 65]).expect("ground");
+    let weight = |x: f64| (1.0 / x - 1.0 / 20.0) * (1.0 / x - 1.0 / 20.0);
+    let [near, far] = [weight(2.0), weight(10.0)];
+    let ground = |h: f64, x: f64| h - libm::tan(30_f64.to_radians()) * x * (1.0 - 0.5 * x / 20.0);
+    let mean = (near * ground(200.0, 2.0) + far * ground(100.0, 10.0)) / (near + far);
+    assert!((f64::from(height) - mean).abs() < 1e-3, "{height} for {mean}");
+    assert!((f64::from(share) - 4.0 * far / (near + far)).abs() < 1e-5, "{share}");
     // The slope of one over the plateau of the other: both are told.
     assert!(c.height([50, 60]).is_some() && c.gradient([50, 60]).is_some());
     assert!(c.gradient([20, 60]).is_some());
@@ -282,12 +307,12 @@ fn a_finer_grid_shows_the_same_regions() {
     let area = |cell: f64, n: usize| {
         let c = raster(&set, &grid([0.0; 2], cell, n));
         let count = |m: Mark| c.mask(m).iter().map(|&x| f64::from(x)).sum::<f64>() * cell * cell;
-        [count(Mark::Height), count(Mark::Gradient), count(Mark::Open)]
+        [count(Mark::Height), count(Mark::Gradient)]
     };
     let [coarse, middle, fine] = [area(8.0, 129), area(4.0, 257), area(2.0, 513)];
     let finest = area(1.0, 1025);
-    for k in 0..3 {
-        let off = |a: [f64; 3]| (a[k] - finest[k]).abs() / finest[k];
+    for k in 0..2 {
+        let off = |a: [f64; 2]| (a[k] - finest[k]).abs() / finest[k];
         assert!(
             off(coarse) < 0.05 && off(middle) < 0.02 && off(fine) < 0.01,
             "{k}: {coarse:?} {middle:?} {fine:?} {finest:?}"
@@ -354,6 +379,7 @@ fn a_tile_is_the_crop_of_the_whole_and_threads_do_not_matter() {
         let there = [i + 61, j + 87];
         assert_eq!(part.height(at), whole.height(there));
         assert_eq!(part.gradient(at), whole.gradient(there));
+        assert_eq!(part.ground(at), whole.ground(there));
         assert_eq!(part.noise(at), whole.noise(there));
         assert_eq!(part.envelope(at).to_bits(), whole.envelope(there).to_bits());
         assert_eq!(part.has(Mark::Open, at), whole.has(Mark::Open, there));

@@ -41,11 +41,13 @@ struct Branch {
 /// the sums. Small, since it is what filling a tile spends its time on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
-    distance: f64,
+    pub(super) distance: f64,
     direction: [f32; 2],
     steepness: f32,
     trust: f32,
     ties: f32,
+    /// Number of the nearest part.
+    pub(super) part: u32,
 }
 
 /// What the plateaus of all curves say about a cell: sums and how many.
@@ -193,7 +195,7 @@ impl Part {
     /// How far the slope at a spot is followed: less towards its side where heights flow out, and towards the ends of the
     /// curve the less the farther out, so that no line shows where it stops.
     #[inline(always)]
-    fn trust(&self, spot: &Spot, ribbon: &Ribbon) -> f64 {
+    pub(super) fn trust(&self, spot: &Spot, ribbon: &Ribbon) -> f64 {
         let smooth = |t: f64| if t >= 1.0 { 1.0 } else { t * t * (3.0 - 2.0 * t) };
         let x = (spot.distance - self.radius.at(spot.share)).max(0.0);
         let arc = self.arc + spot.share * self.shape.length;
@@ -208,7 +210,7 @@ impl Part {
     /// step of `cell · |n|` along each axis the ground rises by just what the profile does, wherever the plateau ends
     /// between samples.
     #[inline(always)]
-    fn steepness(&self, spot: &Spot, flows_away: bool) -> f64 {
+    pub(super) fn steepness(&self, spot: &Spot, flows_away: bool) -> f64 {
         let n = spot.away.map(f64::abs);
         let (side, share) = (spot.side, spot.share);
         let extent = self.extent[side].at(share);
@@ -237,7 +239,7 @@ impl Part {
 impl Nearest {
     /// No part yet.
     pub(super) const NOTHING: Self =
-        Self { distance: f64::INFINITY, direction: [0.0; 2], steepness: 0.0, trust: 0.0, ties: 0.0 };
+        Self { distance: f64::INFINITY, direction: [0.0; 2], steepness: 0.0, trust: 0.0, ties: 0.0, part: 0 };
 
     /// Whether there is a part.
     #[inline(always)]
@@ -247,10 +249,11 @@ impl Nearest {
 
     /// Takes up what a part says at a spot.
     #[inline(always)]
-    pub(super) fn meet(&mut self, ribbon: &Ribbon, part: &Part, spot: &Spot, slack: f64) {
+    pub(super) fn meet(&mut self, ribbon: &Ribbon, number: u32, spot: &Spot, slack: f64) {
         if spot.distance > self.distance + slack {
             return;
         }
+        let part = &ribbon.parts[number as usize];
         let flows_away = ribbon.flows_away(part, spot);
         // Both are turned round where heights flow towards the curve.
         let sign = if flows_away { 1.0 } else { -1.0 };
@@ -258,7 +261,7 @@ impl Nearest {
         let trust = part.trust(spot, ribbon) as f32;
         let direction = spot.away.map(|x| (sign * x) as f32);
         if spot.distance < self.distance - slack {
-            *self = Self { distance: spot.distance, direction, steepness, trust, ties: 1.0 };
+            *self = Self { distance: spot.distance, direction, steepness, trust, ties: 1.0, part: number };
         } else {
             self.distance = self.distance.min(spot.distance);
             self.direction = [self.direction[0] + direction[0], self.direction[1] + direction[1]];

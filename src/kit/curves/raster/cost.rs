@@ -2,8 +2,8 @@
 //!
 //! A part of a curve visits the samples of the ground beside it, once for the strip that it marks and once more for the
 //! strip that is smoothed around it, so the work follows the area of these strips inside the grid; where strips lie over
-//! each other it is done for each. Beside that every corner of the polyline takes its time, once for each turn in which
-//! rows are filled.
+//! each other it is done for each, and the ground between them is found. Beside that every corner of the polyline takes
+//! its time, once for each turn in which rows are filled.
 
 use super::stock::MAX_PARTS;
 use super::{TOLERANCE, tile::MAX_BINNED};
@@ -14,6 +14,8 @@ use crate::value::{Bounds, Curve, Curves, Grid};
 const SAMPLE: f64 = 8e-9;
 /// Seconds for a sample beside a curve.
 const VISIT: f64 = 14e-9;
+/// Seconds more for each curve whose slope holds a sample, where there are several.
+const MEET: f64 = 100e-9;
 /// Seconds for a corner of a polyline, each time it becomes a part.
 const CORNER: f64 = 2.5e-6;
 /// Pieces that are looked at, at most; of more every so many is.
@@ -49,7 +51,10 @@ pub fn seconds(curves: &Curves, grid: &Grid) -> f64 {
     let visits = area / (cell * cell);
     let binned = visits / (SIDE * SIDE) + corners;
     let turns = 1.0 + 2.0 * (binned / MAX_BINNED as f64).max(corners / MAX_PARTS as f64).floor();
-    grid.len() as f64 * SAMPLE + visits * VISIT + turns * corners * CORNER
+    // Strips that are more than the grid lie over each other.
+    let samples = grid.len() as f64;
+    let meet = (visits - samples).max(0.0) * MEET;
+    samples * SAMPLE + visits * VISIT + meet + turns * corners * CORNER
 }
 
 impl Work {

@@ -5,8 +5,8 @@
 //! curve, where h, A and R are constant across, then the slope up to `r + a` (or `r + b`), where the norm of the
 //! gradient is `tan θ · (1 − (d − r) / a)` at distance `d` and its direction `n` points away from the curve. A curve
 //! with slopes and no elevation gives `(−n, −G)`: the same gradient, but heights flow towards the curve. Where strict
-//! values of several curves, or of several passages of one, meet, they are averaged; where the gradients of different
-//! curves meet, the cell is left open.
+//! values of several curves, or of several passages of one, meet, they are averaged; what holds where slopes of different
+//! curves meet is told in `meeting`.
 //!
 //! # Between samples
 //! A curve does not know the grid, and a cell that is on a wall or not would make a staircase of every wall. So the
@@ -17,8 +17,12 @@
 //! - Where a plateau ends on free ground, each cell within a step of the edge leans on the neighbours beyond: it lies on
 //!   the straight way between the edge, a gap g back, and them, a step ahead: `(1 − λ) h + λ H`, `λ = g / (g + step)`.
 //!   So the two sides of a line are solved apart, and meet on it. The weights are positive: no value leaves the range.
+//! - A cell right beside a curve, on its slope, would take its height from neighbours across the curve. Where there is no
+//!   slope on that side these are free ground, which may be far lower right beside a crest, in another way in each row.
+//!   There the cell has the height of the profile.
 //!
 //! # Differs from the paper
+//! - Where slopes of different curves meet the paper leaves the cell open; here it has the height between theirs.
 //! - The paper paints quadrangles over each other. Here a cell takes the gradient of the nearest foot among all
 //!   quadrangles of a curve that hold it, so that a strip that folds at a sharp bend shows a clean crease; where two
 //!   feet are equally near, what both say along their common direction.
@@ -43,6 +47,7 @@
 
 mod cell;
 mod cost;
+mod meeting;
 mod ribbon;
 mod shape;
 mod stock;
@@ -95,6 +100,9 @@ pub fn rasterise(
     }
     let any = |f: fn(&Curve) -> bool| curves.iter().any(f);
     let n = grid.len();
+    let sloped = |c: &&Curve| c.tracks().slope.is_some() && c.tracks().elevation.is_some();
+    let meet = curves.iter().filter(sloped).nth(1).is_some()
+        || any(|c| c.tracks().slope.is_some() && ribbon::has_edge(c));
     let mut planes = Planes {
         marks: vec![0; n],
         height: any(|c| c.tracks().elevation.is_some()).then(|| vec![0.0; n]),
@@ -102,6 +110,7 @@ pub fn rasterise(
         direction: any(|c| c.tracks().slope.is_some()).then(|| vec![[0.0; 2]; n]),
         steepness: any(|c| c.tracks().slope.is_some()).then(|| vec![0.0; n]),
         trust: any(|c| c.tracks().slope.is_some()).then(|| vec![0.0; n]),
+        ground: meet.then(|| vec![0.0; n]),
         noise: any(|c| c.tracks().noise.is_some()).then(|| vec![[0.0; 2]; n]),
         envelope: any(|c| c.tracks().envelope.is_some()).then(|| vec![0.0; n]),
     };

@@ -88,6 +88,11 @@ impl Part {
         self.steepness[side].at(share) * x * (1.0 - 0.5 * x / extent)
     }
 
+    /// How high the ground is at a distance from the curve on a side.
+    pub(super) fn ground(&self, side: usize, share: f64, distance: f64) -> f64 {
+        self.height(share) + self.rise(side, share, distance)
+    }
+
     /// Whether the ground falls on a side, and rises or stays level on the other: the low side of a cliff.
     pub(super) fn falls_across(&self, side: usize, share: f64) -> bool {
         let angle = |side: usize| self.steepness[side].angle.at(share);

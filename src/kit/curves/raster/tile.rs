@@ -1,6 +1,7 @@
 //! Tiles: which parts touch which, and filling one in.
 
 use super::cell::{Nearest, Outcome, Reach, Strict};
+use super::meeting::{self, Meeting, Said};
 use super::ribbon::{Ribbon, Rim};
 use super::shape::Shape;
 use super::stock::Window;
@@ -125,6 +126,7 @@ pub(super) struct Band<'a> {
     direction: Option<&'a mut [[f32; 2]]>,
     steepness: Option<&'a mut [f32]>,
     trust: Option<&'a mut [f32]>,
+    ground: Option<&'a mut [f32]>,
     noise: Option<&'a mut [[f32; 2]]>,
     envelope: Option<&'a mut [f32]>,
 }
@@ -136,10 +138,10 @@ impl<'a> Band<'a> {
             std::iter::from_fn(move || Some(chunks.as_mut().and_then(Iterator::next)))
         }
         let n = SIDE * grid.cols;
-        let Planes { marks, height, lean, direction, steepness, trust, noise, envelope } = planes;
+        let Planes { marks, height, lean, direction, steepness, trust, ground, noise, envelope } = planes;
         let (mut height, mut lean, mut direction) = (cut(height, n), cut(lean, n), cut(direction, n));
         let (mut steepness, mut noise) = (cut(steepness, n), cut(noise, n));
-        let (mut trust, mut envelope) = (cut(trust, n), cut(envelope, n));
+        let (mut trust, mut ground, mut envelope) = (cut(trust, n), cut(ground, n), cut(envelope, n));
         let band = |(number, marks): (usize, &'a mut [u8])| Self {
             number,
             rows: marks.len() / grid.cols,
@@ -149,6 +151,7 @@ impl<'a> Band<'a> {
             direction: direction.next().flatten(),
             steepness: steepness.next().flatten(),
             trust: trust.next().flatten(),
+            ground: ground.next().flatten(),
             noise: noise.next().flatten(),
             envelope: envelope.next().flatten(),
         };
@@ -174,26 +177,27 @@ impl Band<'_> {
         }
     }
 
-    /// Takes up the gradient that a curve gives a cell; where another curve gave one, or it contradicts itself, the
-    /// cell is left open.
+    /// Writes what the slopes of curves together say about a cell; where that is nothing, it is left open.
     #[inline]
-    fn slope(&mut self, at: usize, gradient: Option<([f32; 2], f32, f32)>) {
+    fn slope(&mut self, at: usize, said: &Said) {
         let (Some(direction), Some(steepness), Some(trust)) =
             (&mut self.direction, &mut self.steepness, &mut self.trust)
         else {
             return;
         };
-        let mark = &mut self.marks[at];
-        if *mark & (Mark::Gradient.bit() | Mark::Open.bit()) == 0
-            && let Some(gradient) = gradient
-        {
-            (direction[at], steepness[at], trust[at]) = gradient;
-            *mark |= Mark::Gradient.bit();
+        trust[at] = said.trust;
+        if let Some(gradient) = said.gradient {
+            (direction[at], steepness[at]) = gradient;
+            self.marks[at] |= Mark::Gradient.bit();
         } else {
-            // What diffusion says there is followed as far as the most trusted.
-            (direction[at], steepness[at]) = ([0.0; 2], 0.0);
-            trust[at] = trust[at].max(gradient.map_or(1.0, |g| g.2));
-            *mark = *mark & !Mark::Gradient.bit() | Mark::Open.bit();
+            self.marks[at] |= Mark::Open.bit();
+        }
+        let known = Mark::Height.bit() | Mark::Edge.bit();
+        if let (Some((height, share)), Some(plane), Some(ground)) =
+            (said.ground, &mut self.height, &mut self.ground)
+            && self.marks[at] & known == 0
+        {
+            (plane[at], ground[at]) = (height as f32, share);
         }
     }
 }
@@ -235,6 +239,9 @@ struct Desk {
     /// Cells on slopes of the curve at hand.
     nearest: Box<[Nearest; CELLS]>,
     sloped: Vec<u16>,
+    /// Cells on slopes of any curve.
+    meetings: Vec<Meeting>,
+    met: Vec<u16>,
     /// Cells on its plateaus.
     strict: Vec<Strict>,
     flat: Vec<u16>,
@@ -248,6 +255,8 @@ impl Desk {
         Self {
             nearest: Box::new([Nearest::NOTHING; CELLS]),
             sloped: Vec::with_capacity(CELLS),
+            meetings: vec![Meeting::default(); CELLS],
+            met: Vec::with_capacity(CELLS),
             strict: vec![Strict::default(); CELLS],
             flat: Vec::with_capacity(CELLS),
             outcomes: vec![Outcome::default(); CELLS],
@@ -288,25 +297,29 @@ impl Scene<'_> {
             let columns = SIDE.min(self.grid.cols - column);
             let place = Place { row: band.number * SIDE, rows: band.rows, column, columns };
             for curve in self.strips.at(band.number, t).chunk_by(|a, b| a.0 == b.0) {
-                self.curve(curve, &place, &mut desk, band)?;
+                self.curve(curve, &place, &mut desk)?;
             }
             for i in desk.touched.drain(..).map(usize::from) {
                 let out = std::mem::take(&mut desk.outcomes[i]);
                 band.strict(place.index(i, self.grid.cols), &out);
+            }
+            for i in desk.met.drain(..).map(usize::from) {
+                band.slope(place.index(i, self.grid.cols), &desk.meetings[i].finish());
             }
             self.envelope(self.rims.at(band.number, t), &place, band)?;
         }
         Ok(())
     }
 
+    /// A cell of a tile among the curves.
+    fn cell<'a>(&'a self, i: usize, place: &Place) -> meeting::Place<'a, impl Fn(u32) -> &'a Ribbon> {
+        let ribbon = |number: u32| &self.ready[number as usize].0;
+        let at = [self.xs[place.column + i % SIDE], self.ys[place.row + i / SIDE]];
+        meeting::Place { ribbon, at, cell: self.grid.cell() }
+    }
+
     /// Goes through the parts of one curve in a tile.
-    fn curve(
-        &self,
-        entries: &[Entry],
-        place: &Place,
-        desk: &mut Desk,
-        band: &mut Band<'_>,
-    ) -> Result<(), CurveError> {
+    fn curve(&self, entries: &[Entry], place: &Place, desk: &mut Desk) -> Result<(), CurveError> {
         let Some(&(number, _)) = entries.first() else { return Ok(()) };
         let (ribbon, _) = &self.ready[number as usize];
         let slack = SLACK * self.grid.cell();
@@ -320,13 +333,13 @@ impl Scene<'_> {
                 if ribbon.has_slope
                     && let Some(spot) = part.plain_slope(at, slack)
                 {
-                    desk.slope(i).meet(ribbon, part, &spot, slack);
+                    desk.slope(i).meet(ribbon, p, &spot, slack);
                     return;
                 }
                 let Some(spot) = part.shape.locate(at) else { return };
                 let reach = ribbon.reach(part, &spot, slack);
                 if matches!(reach, Reach::Slope | Reach::Both) {
-                    desk.slope(i).meet(ribbon, part, &spot, slack);
+                    desk.slope(i).meet(ribbon, p, &spot, slack);
                 }
                 if matches!(reach, Reach::Plateau | Reach::Edge | Reach::Both) {
                     desk.plateau(i).meet(ribbon, part, &spot, reach != Reach::Edge, slack);
@@ -353,7 +366,11 @@ impl Scene<'_> {
         for i in desk.sloped.drain(..).map(usize::from) {
             let nearest = &mut desk.nearest[i % CELLS];
             if nearest.is_some() {
-                band.slope(place.index(i, self.grid.cols), nearest.mean());
+                let meeting = &mut desk.meetings[i];
+                if meeting.is_new() {
+                    desk.met.push(i as u16);
+                }
+                meeting.join(number, nearest, &self.cell(i, place));
             }
             *nearest = Nearest::NOTHING;
         }
