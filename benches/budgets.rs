@@ -11,11 +11,13 @@ use std::path::PathBuf;
 use std::process::{Command, Output};
 
 use orograph::files::{Format, WriteJob, encode};
+use orograph::render::map_cost;
 use orograph::value::{Field, Quantity, Terrain, Value};
 use serde_json::{Map, Value as Json, json};
 
 const MIB: f64 = 1024.0 * 1024.0;
-/// The process may take this many times the planned bytes, beside the idle program.
+/// The process may take this many times the bytes that are planned for nodes, document and writers, beside the idle
+/// program.
 const OVER: f64 = 1.25;
 /// Above so many MiB the plan must not be more than [`UNDER`] times what was used.
 const LARGE: f64 = 200.0;
@@ -29,7 +31,7 @@ fn main() {
     let asked = Asked::new(std::env::args().skip(1));
     let scratch = Scratch::new();
     let idle = scratch.idle(&asked);
-    println!("The idle program: {idle:.0} MiB, {} threads.\n", asked.threads);
+    println!("The idle program: {:.0} MiB, {} threads.\n", idle.process, asked.threads);
     println!(
         "| what | size | budget, MiB | planned, MiB | account, MiB | process, MiB | process / bar | planned / used | \
          planned, s | processor, s | ratio | misses |"
@@ -39,9 +41,9 @@ fn main() {
     for case in asked.cases(&scratch) {
         for least in [false, true].into_iter().filter(|least| asked.budget(*least)) {
             let row = case.run(&scratch, &asked, least);
-            let misses = row.misses(idle);
+            let misses = row.misses(&idle);
             missed += misses.len();
-            println!("{}", row.line(idle, &misses));
+            println!("{}", row.line(&idle, &misses));
         }
     }
     println!("\n{missed} bars missed.");
@@ -141,10 +143,10 @@ impl Scratch {
     }
 
     /// What the program takes to build next to nothing.
-    fn idle(&self, asked: &Asked) -> f64 {
+    fn idle(&self, asked: &Asked) -> Row {
         let graph = root().join("graphs/first_light.graph");
         let case = Case { graph, ..Case::default() };
-        case.with("17", &["--size", "17", "--base", "17"]).run(self, asked, false).process
+        case.with("17", &["--size", "17", "--base", "17"]).run(self, asked, false)
     }
 
     /// Heights of some 20 km in 1201² samples, as an elevation model has them.
@@ -226,14 +228,17 @@ impl Case {
         let report: Json = report.unwrap_or_default();
         let number = |name: &str| report[name].as_f64().unwrap_or(f64::NAN);
         row.planned = number("planned_bytes") / MIB;
+        row.reserve = number("reserve_bytes") / MIB;
         row.account = number("peak_bytes") / MIB;
         row.planned_seconds = number("planned_seconds");
         (row.process, row.seconds) = (taken.1, taken.2);
         if self.render {
             let plan = self.program("plan", asked, &["--json"]);
             let plan: Json = serde_json::from_slice(&plan.stdout).unwrap_or_default();
-            row.planned = plan["peak_bytes"].as_f64().unwrap_or(f64::NAN) / MIB;
-            row.planned_seconds = plan["seconds"].as_f64().unwrap_or(f64::NAN);
+            let size: usize = self.size.parse().expect("columns");
+            let drawing = map_cost([size, size], None, true);
+            row.planned = (plan["peak_bytes"].as_f64().unwrap_or(f64::NAN) + drawing.bytes as f64) / MIB;
+            row.planned_seconds = plan["seconds"].as_f64().unwrap_or(f64::NAN) + drawing.seconds;
         }
         row
     }
@@ -255,17 +260,13 @@ impl Case {
 
     /// The least whole number of MiB that is not refused.
     fn least(&self, scratch: &Scratch, asked: &Asked) -> u64 {
-        let report = scratch.path("refused").display().to_string();
+        let (command, out) = if self.render { ("render", "refused.png") } else { ("build", "refused") };
+        let out = scratch.path(out).display().to_string();
+        // What is not refused is stopped by its budget of time, which is looked at after that of memory.
         let needed = |mib: u64| -> bool {
             let memory = format!("{mib}M");
-            if self.render {
-                return self.program("plan", asked, &["--memory", &memory]).status.code() == Some(5);
-            }
-            // A build that is not refused is stopped by its budget of time, which is looked at after that of memory.
-            let output =
-                self.program("build", asked, &["-o", &report, "--memory", &memory, "--time", "1e-9"]);
-            let said = String::from_utf8_lossy(&output.stderr).into_owned();
-            !said.contains("--time")
+            let output = self.program(command, asked, &["-o", &out, "--memory", &memory, "--time", "1e-9"]);
+            !String::from_utf8_lossy(&output.stderr).contains("--time")
         };
         let (mut refused, mut taken) = (1, 1 << 17);
         while taken - refused > 1 {
@@ -286,7 +287,10 @@ struct Row {
     what: String,
     size: String,
     budget: Option<u64>,
+    /// For the nodes.
     planned: f64,
+    /// For the program, the document and the writers.
+    reserve: f64,
     account: f64,
     process: f64,
     planned_seconds: f64,
@@ -295,16 +299,21 @@ struct Row {
 }
 
 impl Row {
-    fn bar(&self, idle: f64) -> f64 {
-        OVER * self.planned + idle
+    /// What is planned beside the idle program: nodes, document, writers.
+    fn plan(&self, idle: &Self) -> f64 {
+        self.planned + (self.reserve - idle.reserve).max(0.0)
     }
 
-    fn used(&self, idle: f64) -> f64 {
-        (self.process - idle).max(1.0)
+    fn bar(&self, idle: &Self) -> f64 {
+        OVER * self.plan(idle) + idle.process
+    }
+
+    fn used(&self, idle: &Self) -> f64 {
+        (self.process - idle.process).max(1.0)
     }
 
     /// The names of the bars that are missed.
-    fn misses(&self, idle: f64) -> Vec<&'static str> {
+    fn misses(&self, idle: &Self) -> Vec<&'static str> {
         let over = |bad: bool, name| bad.then_some(name);
         let ratio = self.seconds / self.planned_seconds;
         let long = self.seconds.max(self.planned_seconds) > SHORT;
@@ -313,7 +322,7 @@ impl Row {
             over(self.budget.is_some_and(|b| self.process > b as f64), "budget"),
             over(self.process > self.bar(idle), "plan"),
             over(self.account > self.planned, "account"),
-            over(self.planned > LARGE && self.planned > UNDER * self.used(idle), "too much planned"),
+            over(self.plan(idle) > LARGE && self.plan(idle) > UNDER * self.used(idle), "too much planned"),
             over(long && !(SECONDS[0]..=SECONDS[1]).contains(&ratio), "seconds"),
         ]
         .into_iter()
@@ -321,17 +330,21 @@ impl Row {
         .collect()
     }
 
-    fn line(&self, idle: f64, misses: &[&str]) -> String {
+    fn line(&self, idle: &Self, misses: &[&str]) -> String {
         if let Some(failed) = &self.failed {
             return format!("| {} | {} | {failed} |", self.what, self.size);
         }
         let budget = self.budget.map_or_else(|| "default".to_owned(), |b| b.to_string());
         let mut line = format!("| {} | {} | {budget} ", self.what, self.size);
-        for mib in [self.planned, self.account, self.process] {
+        for mib in [self.plan(idle), self.account, self.process] {
             let _ = write!(line, "| {mib:.0} ");
         }
-        let _ =
-            write!(line, "| {:.2} | {:.2} ", self.process / self.bar(idle), self.planned / self.used(idle));
+        let _ = write!(
+            line,
+            "| {:.2} | {:.2} ",
+            self.process / self.bar(idle),
+            self.plan(idle) / self.used(idle)
+        );
         let _ = write!(line, "| {:.2} | {:.2} ", self.planned_seconds, self.seconds);
         let _ = write!(line, "| {:.2} | {} |", self.seconds / self.planned_seconds, misses.join(", "));
         line

@@ -617,7 +617,7 @@ fn a_format_does_not_contradict_the_name_of_its_file() {
         assert!(code(&ended) == 2 && said(&ended).contains(words), "{name} {format}: {}", said(&ended));
         assert!(!desk.path(name).exists(), "{name}");
     }
-    for (name, format) in [("c.tif", "tiff16"), ("c.png", "png8"), ("c.dem", "tiff"), ("d.raw", "r32")] {
+    for (name, format) in [("c.tif", "tiff16"), ("d.png", "png8"), ("e.dem", "tiff"), ("f.raw", "r32")] {
         let range: &[&str] = if matches!(format, "png8" | "tiff16") { &["--range", "0,9"] } else { &[] };
         let ended = run(&[&["convert", &asc, &text(&desk.path(name)), "--format", format], range].concat());
         assert_eq!(code(&ended), 0, "{name} {format}: {}", said(&ended));

@@ -16,8 +16,9 @@ fn picture(window: &mut Window, name: &str) {
     image.save(std::path::Path::new(&folder).join(format!("{name}.png"))).unwrap();
 }
 
-/// Compares with the picture of the name.
+/// Compares with the picture of the name, once no work is left: its sign in the status bar would be in the picture.
 fn compare(window: &mut Window, name: &str) {
+    window.settle();
     picture(window, name);
     if !window.1 {
         // Other devices draw edges in their own way. CI has the software device and compares.
