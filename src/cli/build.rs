@@ -100,6 +100,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     problems.iter().for_each(|p| report.warning(p.to_string()));
     let mut options = args.engine.options();
     options.reserve = reserve(&graph, &args.engine, tiles.iter().map(|t| &t.grid).max_by_key(|g| g.cols));
+    report.reserve(options.reserve);
     let engine = Engine::new(&options, files)?;
     let progress = Progress::new(args.progress);
     let build = Build {

@@ -36,6 +36,7 @@ pub(super) struct Report<'a> {
     nodes: BTreeMap<(String, &'static str), NodeTotal>,
     peak_bytes: u64,
     planned_bytes: u64,
+    reserve_bytes: u64,
     planned_seconds: f64,
 }
 
@@ -73,6 +74,7 @@ impl<'a> Report<'a> {
             nodes: BTreeMap::new(),
             peak_bytes: 0,
             planned_bytes: 0,
+            reserve_bytes: 0,
             planned_seconds: 0.0,
         };
         if !report.is_printed() {
@@ -122,6 +124,11 @@ impl<'a> Report<'a> {
 
     pub(super) fn output(&mut self, output: Json) {
         self.outputs.push(output);
+    }
+
+    /// Says how many bytes are set aside for the program, the document and the writers.
+    pub(super) fn reserve(&mut self, bytes: u64) {
+        self.reserve_bytes = bytes;
     }
 
     /// Adds to the estimate what is not part of an evaluation.
@@ -209,6 +216,7 @@ impl<'a> Report<'a> {
         report.insert("seconds".into(), json!(self.started.elapsed().as_secs_f64()));
         report.insert("peak_bytes".into(), json!(self.peak_bytes));
         report.insert("planned_bytes".into(), json!(self.planned_bytes));
+        report.insert("reserve_bytes".into(), json!(self.reserve_bytes));
         report.insert("process_peak_bytes".into(), json!(process_peak()));
         report.insert("planned_seconds".into(), json!(self.planned_seconds));
         report.insert("processor_seconds".into(), json!(process_seconds()));

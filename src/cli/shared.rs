@@ -59,7 +59,7 @@ pub(super) fn merged(other: Map<String, Json>, mut own: Map<String, Json>, part:
     for key in ["seconds", "planned_seconds", "processor_seconds"] {
         own.insert(key.to_owned(), json!(number(&other, key) + number(&own, key)));
     }
-    for key in ["peak_bytes", "planned_bytes", "process_peak_bytes"] {
+    for key in ["peak_bytes", "planned_bytes", "reserve_bytes", "process_peak_bytes"] {
         let [a, b] = [&other, &own].map(|map| map.get(key).and_then(Json::as_u64));
         own.insert(key.to_owned(), json!(a.max(b)));
     }

@@ -86,6 +86,9 @@ fn plan_and_build_need_the_same_memory() {
                 assert!(plan.contains("--memory") && build.contains("--memory"), "{plan}{build}");
             }
         }
+        let report = std::fs::read(desk.path("out/report.json")).unwrap();
+        let report: Json = serde_json::from_slice(&report).unwrap();
+        assert_eq!([&report["planned_bytes"], &report["reserve_bytes"]], [peak, reserve]);
     }
 }
 
