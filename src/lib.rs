@@ -38,38 +38,10 @@
 //! cold.
 
 pub mod cli;
-pub mod context;
+
+pub use orograph_core::{
+    context, engine, files, graph, kit, node, nodes, params, ports, prelude, render, source, text, units, value,
+    whole, work,
+};
 #[cfg(feature = "editor")]
-pub mod editor;
-pub mod engine;
-pub mod files;
-pub mod graph;
-pub mod kit;
-pub mod node;
-pub mod params;
-pub mod ports;
-pub mod render;
-pub mod source;
-pub mod text;
-pub mod units;
-pub mod value;
-pub mod whole;
-pub mod work;
-
-#[path = "../nodes/mod.rs"]
-pub mod nodes;
-
-/// What a node file imports.
-pub mod prelude {
-    pub use schemars::JsonSchema;
-    pub use serde::{Deserialize, Serialize};
-
-    pub use crate::node::{
-        Context, Cost, Error, FileRequest, Known, Meta, Node, Reach, Reads, Result, Row, Summarize, Summary,
-    };
-    pub use crate::ports;
-    pub use crate::units::{Degrees, FilePath, Metres, Number, PerMetre, Ratio, Seed};
-    pub use crate::value::{
-        Colors, Constraints, Curves, Field, Grid, Quantity, Raster, Terrain, Value, Vectors,
-    };
-}
+pub use orograph_editor as editor;

@@ -8,8 +8,6 @@ mod chance;
 mod cli;
 mod curves;
 mod diffusion;
-#[cfg(feature = "editor")]
-mod editor;
 mod engine;
 mod farm;
 mod fed;

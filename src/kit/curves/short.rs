@@ -91,7 +91,7 @@ pub fn curve(
 }
 
 /// The share of the length at the ends of all pieces, from 0 to 1.
-pub(crate) fn shares(knots: &[Point]) -> Vec<f64> {
+pub fn shares(knots: &[Point]) -> Vec<f64> {
     let pieces = knots.len().saturating_sub(1) / 3;
     let piece = |i: usize| Cubic([knots[3 * i], knots[3 * i + 1], knots[3 * i + 2], knots[3 * i + 3]]);
     let mut sum = 0.0;

@@ -185,7 +185,7 @@ fn a_killed_editor_loses_nothing() {
     }
     let home = tempfile::tempdir().unwrap();
     let mut victim = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "editor::files::a_killed_editor_loses_nothing"])
+        .args(["--exact", "files::a_killed_editor_loses_nothing"])
         .env(HOME, home.path())
         .stdout(Stdio::null())
         .stderr(Stdio::null())

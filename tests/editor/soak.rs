@@ -1,4 +1,4 @@
-//! A day at random; a long one with `OROGRAPH_SOAK=100000 cargo test editor::soak -- --nocapture`.
+//! A day at random; a long one with `OROGRAPH_SOAK=100000 cargo test --test editor soak -- --nocapture`.
 
 use eframe::egui::{Key, Modifiers};
 use orograph::kit::hash;

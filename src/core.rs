@@ -1,0 +1,37 @@
+//! The core of Orograph: everything but its faces, the command line and the editor.
+//!
+//! The program's crate, `orograph`, gives all of it again under the same names and holds the tour of the house.
+
+pub mod context;
+pub mod engine;
+pub mod files;
+pub mod graph;
+pub mod kit;
+pub mod node;
+pub mod params;
+pub mod ports;
+pub mod render;
+pub mod source;
+pub mod text;
+pub mod units;
+pub mod value;
+pub mod whole;
+pub mod work;
+
+#[path = "../nodes/mod.rs"]
+pub mod nodes;
+
+/// What a node file imports.
+pub mod prelude {
+    pub use schemars::JsonSchema;
+    pub use serde::{Deserialize, Serialize};
+
+    pub use crate::node::{
+        Context, Cost, Error, FileRequest, Known, Meta, Node, Reach, Reads, Result, Row, Summarize, Summary,
+    };
+    pub use crate::ports;
+    pub use crate::units::{Degrees, FilePath, Metres, Number, PerMetre, Ratio, Seed};
+    pub use crate::value::{
+        Colors, Constraints, Curves, Field, Grid, Quantity, Raster, Terrain, Value, Vectors,
+    };
+}

@@ -1,0 +1,10 @@
+//! The desktop editor, a crate of its own: the program calls it, so that it cannot stand in the program's.
+
+// Inside, names are those of the whole house.
+use orograph_core::{
+    context, engine, files, graph, kit, node, nodes, params, ports, render, text, units, value, whole,
+};
+
+mod editor;
+
+pub use editor::*;
