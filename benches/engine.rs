@@ -56,3 +56,42 @@ fn answer_from_the_cache(bencher: Bencher<'_, '_>) {
     assert!(engine.evaluate(&graph, &wants, &Unobserved, &Cancel::default()).is_ok());
     bencher.bench(|| engine.evaluate(&graph, &wants, &Unobserved, &Cancel::default()).is_ok());
 }
+
+/// The chain with a mask of fifty strokes, 100,000 numbers, painted on its middle.
+fn painted() -> Graph {
+    let mut graph = chain();
+    let path = |k: usize| (0..1000).flat_map(move |i| [(i + k) as f64 * 7.0, 100.0 + (i * 5 + k) as f64]);
+    let stroke = |k: usize| json!({ "path": path(k).collect::<Vec<_>>(), "radius": 60 });
+    let paint = graph.add("paint", "paint_mask").expect("a kind");
+    let strokes: Vec<_> = (0..50).map(stroke).collect();
+    graph.set(paint, "strokes", json!(strokes)).expect("strokes");
+    let middle = graph.find("n500").expect("a node");
+    graph.connect(paint, "mask", middle, "mask").expect("a wire");
+    graph
+}
+
+/// A movement of a hand on a thousand nodes, as the editor follows it: a copy for the history, one parameter set,
+/// problems, keys and plan looked at again. It drags a number beside the strokes, or a point of one of them.
+#[divan::bench(args = ["number", "stroke"])]
+fn movement(bencher: Bencher<'_, '_>, what: &str) {
+    let (mut graph, engine) = (painted(), engine());
+    let (middle, paint) = (graph.find("n500").expect("a node"), graph.find("paint").expect("a node"));
+    let nodes: Vec<_> = graph.nodes().collect();
+    let mut step = 0.0;
+    bencher.bench_local(|| {
+        step += 1.0;
+        let mut moved = graph.clone();
+        if what == "number" {
+            moved.set(middle, "about.value.value", json!(step)).expect("a number");
+        } else {
+            let mut strokes = moved.node(paint).set["strokes"].clone();
+            strokes[7]["path"][11] = json!(step);
+            moved.set(paint, "strokes", strokes).expect("strokes");
+        }
+        assert!(moved.problems().is_empty(), "{:?}", moved.problems());
+        let keys = engine.keys(&moved, &nodes, 0, &Unobserved, &Cancel::default()).expect("keys").len();
+        let plan = engine.plan(&moved, &want(&moved));
+        graph = moved;
+        (keys, plan)
+    });
+}

@@ -1,13 +1,11 @@
 //! Keys: content hashes that name results (law 7).
 //!
-//! A node's key holds its kind and version, its parameters in canonical form, the keys of its inputs, and those settings
+//! A node's key holds its kind and version, the digest of its parameters in canonical form, the keys of its inputs, and those settings
 //! of terrain and seed that its kind declares to read. Of each file that the node asks for it holds the parameter, the
 //! last part of the name and the content, or that the file is not there. The key of a result adds the grid. Names,
 //! places on the canvas and comments are in neither.
 
 use std::fmt;
-
-use serde_json::Value as Json;
 
 use crate::node::{AnyNode, FileRequest, Kind, Reach, Reads};
 use crate::source::last_name;
@@ -69,6 +67,8 @@ impl Hasher {
 pub(super) struct Parts<'a> {
     pub kind: &'a Kind,
     pub node: &'a dyn AnyNode,
+    /// The digest of its parameters; see [`Kind::digest`].
+    pub parameters: &'a [u8; 32],
     pub terrain: &'a Terrain,
     /// Port, key of the source node, port of the source.
     pub inputs: &'a [(&'static str, Key, &'static str)],
@@ -79,11 +79,11 @@ pub(super) struct Parts<'a> {
 impl Parts<'_> {
     /// The key of the node, whatever the grid.
     pub(super) fn key(&self) -> Key {
-        let Parts { kind, node, terrain, inputs, files } = self;
+        let Parts { kind, node, parameters, terrain, inputs, files } = self;
         let mut h = Hasher::new("node");
         h.part(kind.id.as_bytes());
         h.integer(i64::from(kind.meta.version));
-        h.part(self.parameters().to_string().as_bytes());
+        h.part(*parameters);
         for (port, key, from) in *inputs {
             h.part(port.as_bytes());
             h.part(&key.0);
@@ -133,18 +133,6 @@ impl Parts<'_> {
             [b.min[0], b.min[1], b.max[0], b.max[1]].into_iter().for_each(|v| h.number(v));
         }
         h.finish()
-    }
-
-    /// The parameters in canonical form; a file counts by its content and the last part of its name, not by its folder.
-    fn parameters(&self) -> Json {
-        let mut json = self.node.canonical();
-        if let Some(object) = json.as_object_mut() {
-            let files = self.kind.params().iter().filter(|p| p.widget.as_deref() == Some("file"));
-            files.for_each(|p| {
-                object.remove(&p.name);
-            });
-        }
-        json
     }
 }
 

@@ -112,7 +112,8 @@ impl Program {
         })?;
         let requests = node.files();
         let found = self.sources.find(&requests).map_err(wrong)?;
-        let key = self.key(kind, &*node, &inputs, requests, &found).map_err(wrong)?;
+        let parameters = graph_node.digest().map_err(wrong)?;
+        let key = self.key((kind, &*node, &parameters), &inputs, requests, &found).map_err(wrong)?;
         let (reach, files) = (node.reach(), found.into_iter().flatten().collect::<Vec<_>>());
         let reading = OnceLock::new();
         // What is wrong with a header shows before anybody goes through the content to know it.
@@ -125,8 +126,7 @@ impl Program {
     /// The key of a node; none while the content of a file is not known.
     fn key(
         &self,
-        kind: &Kind,
-        node: &dyn AnyNode,
+        (kind, node, parameters): (&Kind, &dyn AnyNode, &[u8; 32]),
         inputs: &[Input],
         requests: Vec<FileRequest>,
         found: &[Option<Arc<SourceFile>>],
@@ -145,7 +145,8 @@ impl Program {
         let key_of = |i: &Input| self.steps[i.step].as_ref().ok().and_then(|s| s.key);
         let keyed: Option<Vec<_>> = inputs.iter().map(|i| Some((i.port, key_of(i)?, i.from))).collect();
         let terrain = &self.terrain;
-        Ok(keyed.map(|inputs| Parts { kind, node, terrain, inputs: &inputs, files: &files }.key()))
+        Ok(keyed
+            .map(|inputs| Parts { kind, node, parameters, terrain, inputs: &inputs, files: &files }.key()))
     }
 
     fn inputs(

@@ -158,8 +158,12 @@ impl Graph {
         path::get(set.get(first)?, &rest)
     }
 
-    /// Writes a value at a bind that leads somewhere.
+    /// Writes a value at a bind that leads somewhere. One that stands there already is left alone, so that what was parsed
+    /// of the node's parameters stays.
     pub(super) fn put_at(&mut self, bind: &Bind, value: Json) {
+        if self.written_at(bind) == Some(&value) {
+            return;
+        }
         let Some((first, rest)) = bind.path.split_first() else { return };
         let (set, params) = match bind.owner {
             Owner::Terrain => (&mut self.settings, terrain_params()),

@@ -40,7 +40,7 @@ impl Graph {
         let node = GraphNode {
             name: name.to_owned(),
             kind: KindRef::Known(known),
-            set,
+            set: set.into(),
             at: [0.0; 2],
             backend: Backend::Auto,
             bypass: false,

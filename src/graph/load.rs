@@ -207,7 +207,7 @@ impl Graph {
             },
             _ => Map::new(),
         };
-        let (loose, set) = (object("in"), object("set"));
+        let (loose, set) = (object("in"), object("set").into());
         let NodeKeys { at, backend, bypass, bends } = NodeKeys::take(&mut written);
         let kind = known.map_or(KindRef::Unknown(kind), KindRef::Known);
         Ok(GraphNode { name, kind, set, at, backend, bypass, bends, extra: written, loose })

@@ -12,6 +12,7 @@ use serde_json::{Map, Value as Json};
 
 use super::canvas::{Bends, Note};
 use super::problem::{Hints, Severity, listed};
+use super::set::Settings;
 use crate::files::{Format, Target};
 use crate::node::{self, AnyNode, Kind};
 use crate::params::{self, Param};
@@ -56,7 +57,7 @@ pub struct GraphNode {
     /// What kind it is.
     pub kind: KindRef,
     /// Parameters that are set, those that are exposed included; the others have their defaults.
-    pub set: Map<String, Json>,
+    pub set: Settings,
     /// Place on the canvas.
     pub at: [f64; 2],
     /// Where it should run.
@@ -80,13 +81,25 @@ impl GraphNode {
         }
     }
 
-    /// The parsed parameters, ready to run.
+    /// The parsed parameters, ready to run: parsed once, and anew after a change.
     ///
     /// # Errors
     /// Names the parameter that does not fit, or the kind when it is not known.
     pub fn parse(&self) -> node::Result<Arc<dyn AnyNode>> {
+        self.set.parse(self.known()?)
+    }
+
+    /// What keys hold of the parameters; see [`Kind::digest`].
+    ///
+    /// # Errors
+    /// Those of [`parse`](Self::parse).
+    pub fn digest(&self) -> node::Result<[u8; 32]> {
+        self.set.digest(self.known()?)
+    }
+
+    fn known(&self) -> node::Result<&'static Kind> {
         match &self.kind {
-            KindRef::Known(kind) => kind.parse(&self.set),
+            KindRef::Known(kind) => Ok(kind),
             KindRef::Unknown(id) => Err(node::Error::Parameter {
                 name: "kind".to_owned(),
                 message: format!("is `{id}`, which this version does not know"),

@@ -134,7 +134,7 @@ impl Graph {
     fn input_problems(&self, id: NodeId, kind: &'static Kind, hints: &Hints) -> Vec<Problem> {
         let node = self.node(id);
         let place = |port: &str| Place::Input { node: node.name.clone(), port: port.to_owned() };
-        let parsed = kind.parse(&node.set).ok();
+        let parsed = node.parse().ok();
         let uses = |port: &str| parsed.as_ref().is_none_or(|n| n.uses(port));
         let mut found = Vec::new();
         for port in kind.inputs() {
@@ -255,6 +255,7 @@ impl Graph {
 }
 
 fn parameter_problems(node: &GraphNode, kind: &Kind, hints: &Hints) -> Vec<Problem> {
+    let Err(error) = node.parse() else { return Vec::new() };
     let place = |name: &str| Place::Parameter { node: node.name.clone(), parameter: name.to_owned() };
     let mut found = Vec::new();
     for param in kind.params() {
@@ -268,10 +269,10 @@ fn parameter_problems(node: &GraphNode, kind: &Kind, hints: &Hints) -> Vec<Probl
         found.push(Problem::error(place(name), message));
     }
     if found.is_empty() {
-        found.extend(kind.parse(&node.set).err().map(|error| match error {
+        found.push(match error {
             Error::Parameter { name, message } => Problem::error(place(&name), message),
             other => Problem::error(Place::Node(node.name.clone()), other.to_string()),
-        }));
+        });
     }
     found
 }

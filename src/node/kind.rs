@@ -206,6 +206,19 @@ impl Kind {
         parsed.check()?;
         Ok(parsed)
     }
+
+    /// A hash of a node's parameters in canonical form, for keys. Names of files are not in it: a file counts by its
+    /// content and the last part of its name, which keys hold beside it.
+    pub fn digest(&self, node: &dyn AnyNode) -> [u8; 32] {
+        let mut json = node.canonical();
+        if let Some(object) = json.as_object_mut() {
+            let files = self.params().iter().filter(|p| p.widget.as_deref() == Some("file"));
+            files.for_each(|p| {
+                object.remove(&p.name);
+            });
+        }
+        *blake3::hash(json.to_string().as_bytes()).as_bytes()
+    }
 }
 
 impl Debug for Kind {

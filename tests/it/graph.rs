@@ -7,5 +7,6 @@ mod exposed;
 mod files;
 mod hostile;
 mod kinds;
+mod parsed;
 mod properties;
 mod schema;

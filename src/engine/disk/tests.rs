@@ -12,7 +12,8 @@ fn key() -> Key {
     let registry = Registry::standard();
     let kind = registry.find("constant").expect("a kind");
     let node = kind.parse(&serde_json::Map::new()).expect("defaults");
-    crate::engine::key::Parts { kind, node: &*node, terrain: &terrain, inputs: &[], files: &[] }.key()
+    let (node, parameters) = (&*node, &kind.digest(&*node));
+    crate::engine::key::Parts { kind, node, parameters, terrain: &terrain, inputs: &[], files: &[] }.key()
 }
 
 fn grid() -> Grid {
