@@ -170,7 +170,7 @@ impl Graph {
             Owner::Node(id) => {
                 let node = &mut self.dag[id];
                 let Some(kind) = node.kind() else { return };
-                (&mut node.set, kind.params())
+                (&mut *node.set, kind.params())
             }
         };
         let default = || params.iter().find(|p| p.name == *first).map_or(Json::Null, |p| p.default.clone());

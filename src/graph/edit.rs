@@ -73,7 +73,7 @@ impl Graph {
         self.live(id)?;
         self.sequence.retain(|n| *n != id);
         let gone = || Problem::error(Place::Graph, "has no such node");
-        let node = self.dag.remove_node(id).ok_or_else(gone)?;
+        let node = self.dag.remove(id).ok_or_else(gone)?;
         self.names.remove(&node.name);
         self.exposed.retain_mut(|(_, exposed)| {
             let before = exposed.bind.len();
@@ -325,7 +325,7 @@ impl Graph {
     /// Adds a node to the graph and its name to the index.
     pub(super) fn put_node(&mut self, node: GraphNode) -> NodeId {
         let name = node.name.clone();
-        let id = self.dag.add_node(node);
+        let id = self.dag.add(node);
         self.sequence.push(id);
         self.names.insert(name, id);
         id

@@ -349,8 +349,7 @@ impl Graph {
     }
 
     pub(super) fn live(&self, id: NodeId) -> Result<(), Problem> {
-        let gone =
-            || Problem::error(Place::Graph, format!("has no node with the index {} any more", id.index()));
+        let gone = || Problem::error(Place::Graph, "has no such node any more");
         self.get(id).map(drop).ok_or_else(gone)
     }
 }

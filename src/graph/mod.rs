@@ -10,6 +10,7 @@
 
 mod bind;
 mod canvas;
+mod dag;
 mod edit;
 mod expose;
 mod fragment;
@@ -30,11 +31,11 @@ mod write;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-pub use petgraph::stable_graph::NodeIndex as NodeId;
-use petgraph::stable_graph::StableDiGraph;
 use serde_json::{Map, Value as Json};
 
 pub use canvas::{Bends, Note, NoteColor};
+use dag::Dag;
+pub use dag::NodeId;
 pub use fragment::Grafted;
 pub use json::read as strict_json;
 pub use load::{LoadError, MAX_FILE, MAX_NAMED, MAX_NODES};
@@ -45,7 +46,6 @@ pub use schema::schema;
 pub use set::Settings;
 pub use settings::terrain_params;
 pub use wires::Source;
-use wires::Wire;
 
 use crate::nodes::Registry;
 use crate::value::Terrain;
@@ -54,8 +54,8 @@ use crate::value::Terrain;
 #[derive(Clone, Debug)]
 pub struct Graph {
     registry: Registry,
-    dag: StableDiGraph<GraphNode, Wire>,
-    /// The nodes in the order of the file; the indices of petgraph are used again after a removal.
+    dag: Dag,
+    /// The nodes in the order of the file.
     sequence: Vec<NodeId>,
     names: HashMap<String, NodeId>,
     about: About,
@@ -93,7 +93,7 @@ impl Graph {
     pub fn with_registry(registry: Registry) -> Self {
         Self {
             registry,
-            dag: StableDiGraph::new(),
+            dag: Dag::default(),
             sequence: Vec::new(),
             names: HashMap::new(),
             about: About::default(),
@@ -147,7 +147,7 @@ impl Graph {
 
     /// A node, if the graph has it.
     pub fn get(&self, id: NodeId) -> Option<&GraphNode> {
-        self.dag.node_weight(id)
+        self.dag.get(id)
     }
 
     /// The node of a name.

@@ -41,7 +41,7 @@ impl Graph {
         let mut stack: Vec<NodeId> = ids.iter().copied().filter(|&id| self.get(id).is_some()).collect();
         let mut found: BTreeSet<NodeId> = stack.iter().copied().collect();
         while let Some(id) = stack.pop() {
-            stack.extend(self.dag.neighbors_directed(id, direction).filter(|&next| found.insert(next)));
+            stack.extend(self.dag.neighbors(id, direction).filter(|&next| found.insert(next)));
         }
         found
     }
@@ -49,16 +49,15 @@ impl Graph {
     /// Sorts some nodes, given in the order of the file; `Err` has those on cycles or below one.
     fn sorted(&self, nodes: Vec<NodeId>) -> Result<Vec<NodeId>, Vec<NodeId>> {
         let place: HashMap<NodeId, usize> = nodes.iter().enumerate().map(|(i, &id)| (id, i)).collect();
-        let sources = |&id: &NodeId| {
-            self.dag.neighbors_directed(id, Incoming).filter(|s| place.contains_key(s)).count()
-        };
+        let sources =
+            |&id: &NodeId| self.dag.neighbors(id, Incoming).filter(|s| place.contains_key(s)).count();
         let mut waits: Vec<usize> = nodes.iter().map(sources).collect();
         let free = waits.iter().enumerate().filter(|(_, w)| **w == 0).map(|(i, _)| Reverse(i));
         let mut ready: BinaryHeap<_> = free.collect();
         let mut order = Vec::with_capacity(nodes.len());
         while let Some(Reverse(i)) = ready.pop() {
             order.push(nodes[i]);
-            for reader in self.dag.neighbors(nodes[i]).filter_map(|r| place.get(&r)) {
+            for reader in self.dag.neighbors(nodes[i], Outgoing).filter_map(|r| place.get(&r)) {
                 waits[*reader] -= 1;
                 if waits[*reader] == 0 {
                     ready.push(Reverse(*reader));
@@ -115,7 +114,7 @@ impl Graph {
                 return cycle;
             }
             walk.push(id);
-            next = self.dag.neighbors_directed(id, Incoming).find(|s| among.contains(s));
+            next = self.dag.neighbors(id, Incoming).find(|s| among.contains(s));
         }
         walk
     }
@@ -151,7 +150,7 @@ impl Graph {
                 way.reverse();
                 return Some(way);
             }
-            for next in self.dag.neighbors(id) {
+            for next in self.dag.neighbors(id, Outgoing) {
                 reached_from.entry(next).or_insert_with(|| {
                     front.push_back(next);
                     id

@@ -1,7 +1,5 @@
 //! Wires: which output an input reads, and the texts that say so in the file.
 
-use petgraph::Direction::Incoming;
-use petgraph::visit::EdgeRef as _;
 use serde_json::Value as Json;
 
 use super::problem::{Hints, Place, Problem, listed};
@@ -37,7 +35,7 @@ pub(super) enum Miss<'a> {
 impl Graph {
     /// The wire into an input, if there is one and it resolves.
     pub fn source(&self, id: NodeId, port: &str) -> Option<Source> {
-        self.edge_into(id, port).map(|(_, source)| source)
+        self.dag.source(id, port)
     }
 
     /// Where a value really comes from: a node that is left out passes on what its input reads. `None` where it has
@@ -63,7 +61,7 @@ impl Graph {
 
     /// The inputs that read an output of a node, as node, input and the output they read.
     pub fn consumers(&self, id: NodeId) -> impl Iterator<Item = (NodeId, &'static str, &'static str)> + '_ {
-        self.dag.edges(id).map(|e| (e.target(), e.weight().to, e.weight().from))
+        self.dag.wires_from(id).map(|(node, wire)| (node, wire.to, wire.from))
     }
 
     /// The source of an output of the graph, where nothing but the nodes themselves can stop it.
@@ -162,21 +160,15 @@ impl Graph {
     /// Puts a wire in, in place of the one that was there.
     pub(super) fn put_wire(&mut self, source: Source, id: NodeId, port: &'static str) {
         self.cut_wire(id, port);
-        self.dag.add_edge(source.node, id, Wire { from: source.port, to: port });
+        self.dag.connect(source, id, port);
     }
 
     /// Takes the wire into an input away, if there is one.
     pub(super) fn cut_wire(&mut self, id: NodeId, port: &str) -> bool {
-        let edge = self.edge_into(id, port).map(|(edge, _)| edge);
-        let cut = edge.is_some_and(|edge| self.dag.remove_edge(edge).is_some());
+        let cut = self.dag.cut(id, port);
         if cut {
             self.dag[id].bends.retain(|b| b.input != port);
         }
         cut
-    }
-
-    fn edge_into(&self, id: NodeId, port: &str) -> Option<(petgraph::stable_graph::EdgeIndex, Source)> {
-        let edge = self.dag.edges_directed(id, Incoming).find(|e| e.weight().to == port)?;
-        Some((edge.id(), Source { node: edge.source(), port: edge.weight().from }))
     }
 }

@@ -50,7 +50,7 @@ impl Canvas {
         for (id, seen) in thumbnails {
             if self.pictures.get(id).is_none_or(|(key, _)| *key != seen.key) {
                 let image = super::super::image_of(&seen.picture);
-                let name = format!("thumbnail {}", id.index());
+                let name = format!("thumbnail {id:?}");
                 let texture = ui.ctx().load_texture(name, image, egui::TextureOptions::LINEAR);
                 self.pictures.insert(*id, (seen.key, texture));
             }
@@ -155,9 +155,9 @@ impl Canvas {
 }
 
 pub(super) fn node_id(id: NodeId) -> Id {
-    Id::new(("canvas node", id.index()))
+    Id::new(("canvas node", id))
 }
 
 fn port_id(id: NodeId, side: &str, port: &str) -> Id {
-    Id::new(("canvas port", id.index(), side, port))
+    Id::new(("canvas port", id, side, port))
 }

@@ -106,7 +106,7 @@ impl Canvas {
                 if (node, input, i) == (course.to, course.input, index));
             let at = view.pos(if moving { self.snapped(self.pointer) } else { place(*at) });
             let rect = Rect::from_center_size(at, vec2(14.0, 14.0));
-            let id = Id::new(("bend", course.to.index(), course.input, index));
+            let id = Id::new(("bend", course.to, course.input, index));
             let response = ui.interact(rect, id, Sense::click_and_drag());
             let name = format!("bend {index} of {}.{}", desk.graph().node(course.to).name, course.input);
             response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &name));

@@ -110,7 +110,7 @@ impl Drawing {
             if !ui.clip_rect().contains(at) {
                 continue;
             }
-            let id = Id::new(("grip", node.index(), number, grip.part));
+            let id = Id::new(("grip", node, number, grip.part));
             let response = hold(ui, at, GRIP, id, &grip.name);
             let hot = response.hovered() || response.dragged();
             paint::grip(ui, space, grip, at, hot, self.is_chosen(grip.part));

@@ -141,7 +141,7 @@ fn inside(ui: &mut Ui, section: &Section) {
 
 /// The name of a node, to be changed by typing.
 fn name(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId) {
-    let field = ui.id().with(("name", id.index()));
+    let field = ui.id().with(("name", id));
     let own = panel.graph().node(id).name.clone();
     let mut text = ui.data_mut(|d| d.get_temp::<String>(field)).unwrap_or_else(|| own.clone());
     let edit = egui::TextEdit::singleline(&mut text).font(egui::TextStyle::Heading).id(field.with("edit"));
@@ -162,7 +162,7 @@ fn name(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId) {
 
 /// The id of the field in which a node is renamed.
 pub(crate) fn name_field(ui: &Ui, id: NodeId) -> egui::Id {
-    ui.id().with(("name", id.index())).with("edit")
+    ui.id().with(("name", id)).with("edit")
 }
 
 /// One parameter of some nodes of a kind.
@@ -289,12 +289,12 @@ fn current(graph: &Graph, id: NodeId, param: &Param) -> Json {
 
 /// The seed that was there before the last throw of the dice.
 fn previous(ui: &Ui, ids: &[NodeId], param: &Param) -> Option<Json> {
-    let key = egui::Id::new(("previous", ids.first().map(|id| id.index()), &param.name));
+    let key = egui::Id::new(("previous", ids.first(), &param.name));
     let text = ui.data(|d| d.get_temp::<String>(key))?;
     serde_json::from_str(&text).ok()
 }
 
 fn remember(ui: &Ui, ids: &[NodeId], param: &Param, value: Json) {
-    let key = egui::Id::new(("previous", ids.first().map(|id| id.index()), &param.name));
+    let key = egui::Id::new(("previous", ids.first(), &param.name));
     ui.data_mut(|d| d.insert_temp(key, value.to_string()));
 }

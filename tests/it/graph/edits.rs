@@ -140,7 +140,7 @@ fn refusals_name_the_place_and_the_nearest_name() {
     graph.remove(more).unwrap();
     graph.remove(flow).unwrap();
     assert!(
-        graph.set(more, "minus", json!(true)).unwrap_err().to_string().contains("no node with the index")
+        graph.set(more, "minus", json!(true)).unwrap_err().to_string().contains("has no such node any more")
     );
     graph.connect(hills, "field", more, "a").unwrap_err();
     graph.connect(more, "field", height, "a").unwrap_err();
@@ -271,4 +271,21 @@ fn free_names_are_free() {
     assert_eq!(graph.free_name("new"), "new");
     assert_eq!(graph.free_name("Hügel!"), "node");
     assert_eq!(graph.free_name("terrain"), "terrain_2");
+}
+
+#[test]
+fn the_id_of_a_node_that_is_gone_finds_no_other() {
+    let mut graph = load(EXAMPLE);
+    let before = graph.clone();
+    let plain = id(&graph, "plain");
+    graph.remove(plain).unwrap();
+    let new = graph.add("plain", "constant").unwrap();
+    assert_ne!(new, plain);
+    assert!(graph.get(plain).is_none());
+    assert_eq!(id(&before, "plain"), plain, "the state before has its own");
+    // After an undo, too: what was added in between is another node than what is added then.
+    let mut undone = before;
+    undone.remove(plain).unwrap();
+    assert_ne!(undone.add("plain", "constant").unwrap(), new);
+    assert!(load(EXAMPLE).get(plain).is_none(), "another graph has other nodes");
 }

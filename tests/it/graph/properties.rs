@@ -96,15 +96,18 @@ fn of<'a>(names: &[&'a str], i: usize) -> &'a str {
     names[i % names.len()]
 }
 
+/// A node that no other graph has.
+fn gone() -> NodeId {
+    Graph::with_registry(registry()).add("gone", "sum").unwrap()
+}
+
 fn apply(graph: &mut Graph, edit: &Edit) -> bool {
     let nodes: Vec<NodeId> = graph.nodes().collect();
-    // One in nine is a node that may not be there.
-    let node = |i: usize| {
-        if i % 9 == 8 {
-            NodeId::new(i)
-        } else {
-            nodes.get(i % nodes.len().max(1)).copied().unwrap_or(NodeId::new(i))
-        }
+    // One in nine is a node that is not there any more.
+    let gone = gone();
+    let node = |i: usize| match nodes.get(i % nodes.len().max(1)) {
+        Some(node) if i % 9 != 8 => *node,
+        _ => gone,
     };
     match *edit {
         Edit::Add(name, kind) => graph.add(of(&NAMES, name), of(&KINDS, kind)).is_ok(),

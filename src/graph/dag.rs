@@ -1,0 +1,108 @@
+//! Nodes and wires: petgraph's graph, under ids that are counted and never used again.
+
+use std::collections::HashMap;
+use std::ops::{Index, IndexMut};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use petgraph::Direction::{self, Incoming, Outgoing};
+use petgraph::stable_graph::{EdgeIndex, NodeIndex, StableDiGraph};
+use petgraph::visit::EdgeRef as _;
+
+use super::parts::GraphNode;
+use super::wires::{Source, Wire};
+
+/// A node of a graph. Copies of a graph, as a history keeps them, have the same ids; beyond that no two nodes of a
+/// process share one, so that an id that is kept anywhere finds its own node or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeId(u64);
+
+impl NodeId {
+    fn fresh() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+/// The nodes, and the wires as edges from source to reader.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Dag {
+    graph: StableDiGraph<(NodeId, GraphNode), Wire>,
+    /// Where petgraph keeps a node: its indices come back after a removal.
+    places: HashMap<NodeId, NodeIndex>,
+}
+
+impl Dag {
+    pub(super) fn add(&mut self, node: GraphNode) -> NodeId {
+        let id = NodeId::fresh();
+        self.places.insert(id, self.graph.add_node((id, node)));
+        id
+    }
+
+    /// Takes a node out, with its wires.
+    pub(super) fn remove(&mut self, id: NodeId) -> Option<GraphNode> {
+        let place = self.places.remove(&id)?;
+        self.graph.remove_node(place).map(|(_, node)| node)
+    }
+
+    pub(super) fn get(&self, id: NodeId) -> Option<&GraphNode> {
+        self.graph.node_weight(self.place(id)?).map(|(_, node)| node)
+    }
+
+    fn place(&self, id: NodeId) -> Option<NodeIndex> {
+        self.places.get(&id).copied()
+    }
+
+    /// The nodes that a node reads (`Incoming`) or that read it (`Outgoing`), one for each wire.
+    pub(super) fn neighbors(&self, id: NodeId, direction: Direction) -> impl Iterator<Item = NodeId> + '_ {
+        let place = self.place(id).into_iter();
+        place.flat_map(move |place| self.graph.neighbors_directed(place, direction)).map(|n| self.graph[n].0)
+    }
+
+    /// The wires out of a node, each with the node that it leads to.
+    pub(super) fn wires_from(&self, id: NodeId) -> impl Iterator<Item = (NodeId, Wire)> + '_ {
+        let edges = self.place(id).into_iter().flat_map(|place| self.graph.edges_directed(place, Outgoing));
+        edges.map(|e| (self.graph[e.target()].0, *e.weight()))
+    }
+
+    /// The source of the wire into an input.
+    pub(super) fn source(&self, id: NodeId, port: &str) -> Option<Source> {
+        let edge = self.edge_into(id, port)?;
+        let (from, _) = self.graph.edge_endpoints(edge)?;
+        Some(Source { node: self.graph[from].0, port: self.graph[edge].from })
+    }
+
+    /// Puts a wire in beside those that are there; nothing happens where a node is missing.
+    pub(super) fn connect(&mut self, source: Source, id: NodeId, port: &'static str) {
+        if let Some((from, to)) = self.place(source.node).zip(self.place(id)) {
+            self.graph.add_edge(from, to, Wire { from: source.port, to: port });
+        }
+    }
+
+    /// Takes the wire into an input away; whether there was one.
+    pub(super) fn cut(&mut self, id: NodeId, port: &str) -> bool {
+        self.edge_into(id, port).is_some_and(|edge| self.graph.remove_edge(edge).is_some())
+    }
+
+    fn edge_into(&self, id: NodeId, port: &str) -> Option<EdgeIndex> {
+        let mut edges = self.graph.edges_directed(self.place(id)?, Incoming);
+        edges.find(|e| e.weight().to == port).map(|e| e.id())
+    }
+}
+
+/// The node of an id that is known to be there.
+///
+/// # Panics
+/// When there is no such node.
+impl Index<NodeId> for Dag {
+    type Output = GraphNode;
+
+    fn index(&self, id: NodeId) -> &GraphNode {
+        &self.graph[self.places[&id]].1
+    }
+}
+
+impl IndexMut<NodeId> for Dag {
+    fn index_mut(&mut self, id: NodeId) -> &mut GraphNode {
+        &mut self.graph[self.places[&id]].1
+    }
+}
