@@ -25,9 +25,10 @@ const PARSING_SECONDS: f64 = 0.2e-6;
 /// What cannot be a curve is left out: points, texts, lines without length, with broken data or on which nothing is set;
 /// a warning for each kind says how many and where the first stands, and one that nothing is left. Nothing is reprojected:
 /// a file that says it is in degrees or in another coordinate system than the terrain, by `crs` or `coordRefSys` on any of
-/// its objects, is refused. Of the styles of a picture `display`, `visibility` and transforms count, from attributes and
-/// from rules of style sheets for an element, a class, an `id` or `*`; a warning names what else would count, and nothing
-/// is clipped. No file beside this one is read. A file may have 64 MiB, 1,048,576 positions and as many elements, and give
+/// its objects, is refused; `coordRefSys` speaks of `place`, and a `geometry` beside it is in degrees. Of the styles of a
+/// picture `display`, `visibility` and transforms count, from attributes and from rules of style sheets for an element, a
+/// class, an `id` or `*`; a warning names what else would count, and nothing is clipped. No file beside this one is read.
+/// A file may have 64 MiB, 1,048,576 positions and as many elements, 8 MiB of style sheets with 65,536 selectors, and give
 /// 65,536 curves; a line may have 16,385 points.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -74,11 +75,11 @@ impl Node for ImportCurves {
     type In = Inputs;
     type Out = Outputs;
     // Version 2 reads shapes, `use`, units and rings, and lays the page on the terrain, not the view box: the parameters
-    // are as they were.
+    // are as they were. Version 3 reads style sheets and the styles of elements, and the systems of features and geometries.
     const META: Meta = Meta::new()
         .reads(Reads::TERRAIN)
         .keywords(&["svg", "geojson", "vector", "path", "line", "load"])
-        .migrations(&[|_| ()]);
+        .migrations(&[|_| (), |_| ()]);
 
     fn reach(&self) -> Reach {
         Reach::Gridless
@@ -103,8 +104,8 @@ impl Node for ImportCurves {
             let too_long = CurveError::TooMany { what: "bytes of the file", most: MAX_FILE as u64, found };
             return Err(Error::File { parameter: "file", file, message: too_long.to_string() });
         }
-        // The elements of a text and the curves of its numbers are some tens of times as large as the text. `use` may make
-        // of a small picture as much as 65 536 lines take.
+        // The elements of a text and the curves of its numbers are some tens of times as large as the text, and so are the
+        // rules of its style sheets. `use` may make of a small picture as much as 65 536 lines take.
         let picture = files.iter().any(|f| f.name().to_ascii_lowercase().ends_with(".svg"));
         let more = if picture { 48 << 20 } else { 1 << 20 };
         let bytes = content.bytes.saturating_mul(40).saturating_add(more);

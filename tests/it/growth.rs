@@ -138,6 +138,39 @@ fn texts() -> Vec<(&'static str, Text)> {
         ),
         ("svg, styles", Box::new(|n| picture(&format!("<g style='{}'/>", "fill:red;".repeat(n * 5000))))),
         (
+            "svg, selectors and declarations",
+            Box::new(|n| {
+                let selectors = many(n * 1000, |k| format!(".a{k},"));
+                picture(&format!("<style>{selectors}b{{{}}}</style>", "display:a;".repeat(n * 300)))
+            }),
+        ),
+        (
+            "svg, parts of selectors",
+            Box::new(|n| {
+                let elements = "<g class='a'/>".repeat(n * 300);
+                picture(&format!("<style>{}{{display:a}}</style>{elements}", ".a".repeat(n * 1000)))
+            }),
+        ),
+        (
+            "svg, rules and elements",
+            Box::new(|n| {
+                let rules = many(n * 300, |k| format!(".a{{display:a}}.b{k}.a{{display:a}}"));
+                picture(&format!("<style>{rules}</style>{}", "<g class='a'/>".repeat(n * 300)))
+            }),
+        ),
+        ("svg, style sheets", Box::new(|n| picture(&"<style>a{display:none</style>".repeat(n * 500)))),
+        (
+            "geojson, systems",
+            Box::new(|n| {
+                let crs =
+                    |k: usize| format!(r#"{{"crs":{{"properties":{{"name":"EPSG:{}000"}}}}}}"#, k % 900);
+                format!(
+                    r#"{{"type":"FeatureCollection","features":[{}null]}}"#,
+                    many(n * 500, |k| crs(k) + ",")
+                )
+            }),
+        ),
+        (
             "geojson, features",
             Box::new(|n| {
                 features(

@@ -6,13 +6,14 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use orograph::engine::{Unobserved, Want};
+use orograph::files::vectors::svg;
 use orograph::files::{
     Closing, Companion, Format, Input, Limits, Reading, Relief, Request, Watch, WriteJob, Writing, encode,
 };
 use orograph::graph::Graph;
 use orograph::kit::curves::raster::BESIDE;
 use orograph::kit::curves::rasterise;
-use orograph::node::{Cancel, Context, Kind, Reach};
+use orograph::node::{Cancel, Context, Kind, Reach, SourceFile};
 use orograph::params::Shape;
 use orograph::ports::{MASK, Wires};
 use orograph::value::{CurveSpec, Curves, Field, Grid, Quantity, Terrain, Value};
@@ -20,6 +21,7 @@ use serde_json::{Map, Value as Json, json};
 
 use crate::fed::{engine, extremes, fed, shipped};
 use crate::kinds::registry;
+use crate::vectors::{SQUARE, plain};
 
 /// The system's allocator with an account of each thread.
 struct Counting;
@@ -247,6 +249,41 @@ fn no_height_file_takes_more_memory_than_its_header_tells() {
             assert!(took <= said + SMALL, "{format}, cubic {cubic}: says {said}, took {took}");
             println!("{format}, cubic {cubic}: {:.1} bytes a sample", took as f64 / (cols * rows) as f64);
         }
+    }
+}
+
+/// Texts of some megabyte that make as much as can be of each byte.
+fn pictures() -> Vec<(&'static str, String)> {
+    let n = 200_000;
+    let many = |n: usize, one: &dyn Fn(usize) -> String| -> String { (0..n).map(one).collect() };
+    let with = |css: &str, body: &str| format!("<svg viewBox='0 0 1 1'><style>{css}</style>{body}</svg>");
+    let moves = "*{transform:scale(1);transform-origin:1px 1px;transform-box:view-box}";
+    vec![
+        ("selectors", with(&(many(n, &|k| format!(".{k:x},")) + "b{display:a}"), "")),
+        ("selectors that are read", with(&(many(60_000, &|k| format!(".{k:x},")) + "b{display:a}"), "")),
+        ("rules", with(&many(60_000, &|k| format!(".{k:x}{{display:a}}")), "")),
+        ("rules of one", with(&"a{display:a}".repeat(n / 2), "")),
+        ("parts", with(&(".a".repeat(2 * n) + "{display:a}"), "")),
+        ("comments", with(&"/**/a".repeat(n), "")),
+        ("sheets", with("", &"<style>a</style>".repeat(n / 2))),
+        ("elements", with("", &"<g/>".repeat(n))),
+        ("elements of one rule", with(moves, &"<g/>".repeat(n))),
+        ("elements of their own", with("", &many(n / 2, &|k| format!("<g style='transform:{k:x}'/>")))),
+        ("classes", with("a.b{display:a}", &format!("<g class='{}'/>", many(n, &|k| format!("{k:x} "))))),
+    ]
+}
+
+#[test]
+fn no_picture_takes_more_memory_than_its_length_tells() {
+    let kind = shipped().into_iter().find(|kind| kind.id == "import_curves").unwrap();
+    let node = kind.parse(json!({ "file": "a.svg" }).as_object().unwrap()).unwrap();
+    for (name, text) in pictures() {
+        let source = SourceFile::new("a.svg".into(), text.clone().into_bytes());
+        let said = node.reading(&[std::sync::Arc::new(source)]).unwrap().bytes;
+        let (took, read) = peak(|| svg::read(text.as_bytes(), SQUARE, svg::Fit::Inside, &plain(), &|_| true));
+        read.unwrap_or_else(|e| panic!("{name}: {e}"));
+        println!("{name}: {} bytes, says {said}, took {took}", text.len());
+        assert!(took <= said, "{name}: says {said}, took {took}");
     }
 }
 

@@ -1,5 +1,7 @@
 //! What EPSG codes say of units: those of coordinates and of heights that are not metres.
 
+use std::sync::LazyLock;
+
 /// Codes of systems whose unit is not the metre.
 const TABLE: &str = include_str!("units.txt");
 
@@ -49,12 +51,14 @@ pub(super) fn metres(code: u16) -> Option<f64> {
 
 /// The unit of the coordinates of a projected or geographic system; `None` for metres and for codes that are not known.
 pub(super) fn horizontal(code: u32) -> Option<Unit> {
-    listed("horizontal", code).and_then(unit)
+    static RANGES: LazyLock<Vec<Range>> = LazyLock::new(|| ranges("horizontal"));
+    listed(&RANGES, code).and_then(unit)
 }
 
 /// Metres of the unit of a vertical system, where it is not the metre.
 pub(super) fn vertical(code: u32) -> Option<f64> {
-    listed("vertical", code).and_then(metres)
+    static RANGES: LazyLock<Vec<Range>> = LazyLock::new(|| ranges("vertical"));
+    listed(&RANGES, code).and_then(metres)
 }
 
 /// Whether the heights of a vertical system are depths, which count downwards.
@@ -74,20 +78,37 @@ pub(super) fn note_of_depths(system: &str) -> String {
     format!("its vertical system, {system}, counts depths downwards: they are turned into heights")
 }
 
-/// The code of the unit in whose lines a system stands.
-fn listed(kind: &str, code: u32) -> Option<u16> {
-    TABLE.lines().find_map(|line| {
+/// A range of codes of systems, and the code of their unit.
+type Range = (u32, u32, u16);
+
+/// The ranges of a kind, by their first codes; no two of them overlap.
+fn ranges(kind: &str) -> Vec<Range> {
+    let of_line = |line: &'static str| {
         let mut words = line.strip_prefix(kind)?.split_ascii_whitespace();
-        let unit = words.next()?.parse().ok()?;
-        words.any(|w| holds(w, code)).then_some(unit)
-    })
+        let unit: u16 = words.next()?.parse().ok()?;
+        Some(words.filter_map(move |word| range(word).map(|(first, last)| (first, last, unit))))
+    };
+    let mut all: Vec<Range> = TABLE.lines().filter_map(of_line).flatten().collect();
+    all.sort_unstable();
+    all
+}
+
+/// The code of the unit of a system, where it stands in one of the ranges.
+fn listed(ranges: &[Range], code: u32) -> Option<u16> {
+    let after = ranges.partition_point(|(first, ..)| *first <= code);
+    let (_, last, unit) = ranges.get(after.checked_sub(1)?)?;
+    (code <= *last).then_some(*unit)
+}
+
+/// The first and the last code of a range, or of a code alone.
+fn range(word: &str) -> Option<(u32, u32)> {
+    let (first, last) = word.split_once('-').unwrap_or((word, word));
+    Some((first.parse().ok()?, last.parse().ok()?))
 }
 
 /// Whether a code or a range of codes holds a code.
 fn holds(word: &str, code: u32) -> bool {
-    let (first, last) = word.split_once('-').unwrap_or((word, word));
-    let number = |text: &str| text.parse::<u32>().ok();
-    number(first).zip(number(last)).is_some_and(|(first, last)| (first..=last).contains(&code))
+    range(word).is_some_and(|(first, last)| (first..=last).contains(&code))
 }
 
 /// Metres of a unit of length by the word that people and programs use for it.
@@ -154,6 +175,10 @@ mod tests {
             assert!(words.all(|w| w.split('-').all(|n| n.parse::<u32>().is_ok())), "{line}");
         }
         assert!(codes > 800, "{codes}");
+        for kind in ["horizontal", "vertical"] {
+            let all = ranges(kind);
+            assert!(all.windows(2).all(|two| two[0].0 <= two[0].1 && two[0].1 < two[1].0), "{kind}: {all:?}");
+        }
     }
 
     #[test]

@@ -31,6 +31,8 @@ pub(super) enum Notice {
     Markup,
     /// A style would say what is drawn, and is not read.
     Style,
+    /// Something in a style sheet lacks its end.
+    Unclosed,
     /// It lies wholly off the terrain.
     Off,
 }
@@ -64,6 +66,11 @@ impl Notice {
                 ["entity that stands for elements", "entities that stand for elements", "left out"]
             }
             Self::Style => ["style that is not read", "styles that are not read", "left out"],
+            Self::Unclosed => [
+                "part of a style sheet without an end",
+                "parts of style sheets without an end",
+                "taken to end with the sheet",
+            ],
             Self::Off => {
                 ["line wholly off the terrain", "lines wholly off the terrain", "taken all the same"]
             }

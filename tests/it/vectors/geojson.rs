@@ -332,6 +332,31 @@ fn the_place_of_json_fg_counts_before_the_geometry() {
     let on_earth = Place { origin: [380_000.0, 3_800_000.0], epsg: Some(32611), ..place() };
     let got = json(text, &on_earth, &plain()).expect("curves");
     assert_eq!((corners(&got), got.warnings.len()), (vec![vec![[200, 200], [260, 200]]], 0));
+    // Where there is no place, the geometry in degrees is not taken for metres, whatever else the file has.
+    let line =
+        |at: [f64; 2]| format!(r#"{{"type":"LineString","coordinates":[{at:?},[{},0]]}}"#, at[0] + 60.0);
+    let there = format!(r#"{{"geometry":null,"place":{}}}"#, line([380_200.0, 3_799_800.0]));
+    let beside = |feature: String| {
+        collection(&format!("{there},{feature}")).replacen('{', r#"{"coordRefSys":"[EPSG:32611]","#, 1)
+    };
+    for geometry in [
+        line([-117.0, 34.0]),
+        format!(r#"{{"type":"GeometryCollection","geometries":[{}]}}"#, line([-117.0, 34.0])),
+    ] {
+        let text = beside(format!(r#"{{"place":null,"geometry":{geometry}}}"#));
+        let error = json(&text, &on_earth, &plain()).expect_err(&text).to_string();
+        assert!(error.contains("the coordinates of feature 1"), "{error}");
+        assert!(error.contains("are degrees, since `coordRefSys` speaks of `place` alone"), "{error}");
+    }
+    // One that cannot be in degrees is taken as the file says, and `crs` speaks of it.
+    let crs = r#""crs":{"properties":{"name":"EPSG:32611"}}"#;
+    for feature in [
+        format!(r#"{{"place":null,"geometry":{}}}"#, line([380_200.0, 3_799_800.0])),
+        format!(r#"{{"place":null,{crs},"geometry":{}}}"#, line([17.0, 34.0])),
+    ] {
+        let got = json(&beside(feature.clone()), &on_earth, &plain()).expect(&feature);
+        assert_eq!(got.curves.len(), 2, "{feature}");
+    }
     // A `place` of somebody else's is none.
     let text = r#"{"type":"Feature","properties":{},"place":{"name":"here"},
         "geometry":{"type":"LineString","coordinates":[[200,-200],[800,-200]]}}"#;

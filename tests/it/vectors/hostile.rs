@@ -99,6 +99,22 @@ fn large() -> Vec<(&'static str, String)> {
         ),
         ("classes of one.svg", picture(&format!("<g class='{}'/>", names(n, |k| format!("a{k} "))))),
         ("open blocks.svg", picture(&format!("<style>{}</style>", "a{".repeat(n)))),
+        (
+            "selectors and declarations.svg",
+            picture(&format!("<style>{}{{{}}}</style>", "a,".repeat(n), "display:a;".repeat(n / 4))),
+        ),
+        (
+            "parts of a selector.svg",
+            picture(&format!("<style>{}{{display:a}}</style>{}", ".a".repeat(n), "<g class='a'/>".repeat(n))),
+        ),
+        (
+            "moves of all.svg",
+            picture(&format!(
+                "<style>*{{transform:scale(1);transform-origin:1px;transform-box:a}}</style>{}",
+                "<g/>".repeat(n)
+            )),
+        ),
+        ("sheets.svg", picture(&"<style>a{display:a</style>".repeat(n))),
         ("comments.svg", picture(&format!("<style>{}</style>", "/* */ ".repeat(n)))),
         ("subpaths.svg", picture(&format!("<path d=\"{}\"/>", "m0 0h1".repeat(n)))),
         ("points.svg", picture(&format!("<polyline points=\"{}\"/>", "0 0 1 1 ".repeat(n)))),
@@ -106,6 +122,13 @@ fn large() -> Vec<(&'static str, String)> {
         (
             "lines.geojson",
             features(r#"{"geometry":{"type":"LineString","coordinates":[[0,0],[1,1]]}}"#, n / 4),
+        ),
+        (
+            "systems.geojson",
+            format!(
+                r#"{{"type":"FeatureCollection","features":[{}null]}}"#,
+                names(n / 4, |k| format!(r#"{{"crs":{{"properties":{{"name":"EPSG:{k}000"}}}}}},"#))
+            ),
         ),
         (
             "properties.geojson",

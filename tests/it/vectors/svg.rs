@@ -320,7 +320,10 @@ fn style_sheets_hide_lines() {
         ("#p{display:inline} .st0{display:none}", 1),
         (".other{display:none} path.other{display:none}", 1),
         ("@font-face{font-family:'display'} .st1{fill:red}", 1),
-        (".st0{display:none", 0),
+        (".a.a{display:inline} .st0{display:none}", 1),
+        // A string ends with its line, and a comment in one is none.
+        (".b{font:'x}\n} .st0{display:none}", 0),
+        (".b{font:'/*'} .st0{display:none}", 0),
     ] {
         assert_eq!(drawn(&line(style, path)).len(), 1 + shown, "{style}");
     }
@@ -334,7 +337,11 @@ fn style_sheets_hide_lines() {
         drawn(&format!("{path}<defs><style>.st0{{display:none}}</style></defs><path d='M0 0h1'/>")).len(),
         1
     );
-    for other in ["media='print'", "type='text/less'"] {
+    for held in ["media='print, screen'", "media='only screen'", "type='Text/CSS; charset=utf-8'", "type=''"]
+    {
+        assert_eq!(drawn(&format!("<style {held}>.st0{{display:none}}</style>{path}")).len(), 0, "{held}");
+    }
+    for other in ["media='print'", "media='print and (min-width:1px)'", "type='text/less'"] {
         assert_eq!(drawn(&format!("<style {other}>.st0{{display:none}}</style>{path}")).len(), 1, "{other}");
     }
 }
@@ -354,16 +361,60 @@ fn styles_that_are_not_read_are_told_of() {
         ),
         ("<style>@media print{path{display:none}}</style>", "`@media` in the style sheet"),
         ("<style>path{cx:5px}</style>", "`cx` of the style sheet"),
+        ("<style>path{CX:5px}</style>", "`cx` of the style sheet"),
         ("<path style='rotate:20deg' h='1' d='M0 5h10'/>", "`rotate` in the style of path in line 1"),
+        ("<path style='Translate:10px' h='1' d='M0 5h10'/>", "`translate` in the style of path in line 1"),
+        ("<style>@MEDIA print{path{DISPLAY:none}}</style>", "`@MEDIA` in the style sheet"),
+        ("<style>g{fill:red; path{display:none}}</style>", "a block inside of a block of the style sheet"),
+        (
+            "\n<style media='screen and (min-width:1px)'>path{display:none}</style>",
+            "the style sheet in line 2, which is for some media alone",
+        ),
         ("<?xml-stylesheet href='a.css'?>", "the style sheet of another file"),
     ] {
         let got = read(&format!("{body}{path}")).expect(body);
         assert!(got.warnings.len() == 1 && got.warnings[0].contains(warning), "{body}: {:?}", got.warnings);
     }
+    let long = format!("<style>{} path{{display:none}}</style>{path}", " ".repeat(8 << 20));
+    let got = read(&long).expect("curves");
+    assert!(
+        got.curves.len() == 1 && got.warnings[0].contains("more than 8388608 bytes"),
+        "{:?}",
+        got.warnings
+    );
     // What says nothing of lines is nobody's business.
     let got =
-        read(&format!("<style>g > path:hover{{fill:red}} @page{{margin:0}}</style>{path}")).expect("curves");
+        read(&format!("<style>g > path:hover{{fill:red}} @page{{margin:0}} g{{fill:red</style><style media='(width)'>g{{}}</style>{path}")).expect("curves");
     assert_eq!(got.warnings, [""; 0]);
+}
+
+/// A sheet that lacks an end costs itself alone, and is told of.
+#[test]
+fn every_style_sheet_is_read_by_itself() {
+    for (first, hidden) in [
+        ("path{display:none", 2),
+        ("path{fill:red", 1),
+        ("path{font:'x", 1),
+        ("path{fill:red /* ", 1),
+        ("@media print{", 1),
+        ("path", 1),
+    ] {
+        let sheets = format!("\n<style>{first}</style><style>.b{{display:none}}</style>");
+        let body = format!("{sheets}<path h='1' d='M0 0h1'/><path class='b' h='1' d='M0 0h1'/>");
+        let got = read(&body).expect(first);
+        assert_eq!(got.curves.len(), 2 - hidden, "{first}: {:?}", got.warnings);
+        assert_eq!(got.warnings.len(), hidden - 1, "{first}: {:?}", got.warnings);
+    }
+    for (css, place) in [
+        ("path{display:none", "`path` of the style sheet in line 2"),
+        ("g{fill:red} path{fill:red; .b{display:none}", "`path` of the style sheet in line 2"),
+        ("g{} /* path{display:none}", "a comment of the style sheet in line 2"),
+        ("@font-face{src:x; g{display:none}", "`@font-face` of the style sheet in line 2"),
+    ] {
+        let got = read(&format!("\n<style>{css}</style><path h='1' d='M0 0h1'/>")).expect(css);
+        let want = format!("1 part of a style sheet without an end, taken to end with the sheet: {place}");
+        assert!(got.warnings.contains(&want), "{css}: {:?}", got.warnings);
+    }
 }
 
 #[test]

@@ -1,13 +1,18 @@
 //! What a `GeoJSON` file says of where it lies: by the member `crs` of the format's first edition of 2008, which most
 //! programs still write and which may stand on any object, or by the `coordRefSys` of JSON-FG.
 
-use super::item::{An, AnItem, Any, Desk, Item, Member, Object};
+use super::item::{Item, Member, Next, Object};
 use crate::files::epsg::{self, Unit};
-use serde::de::{IgnoredAny, MapAccess};
+use serde::de::MapAccess;
 
 /// What an object says of its system.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Said(Option<System>);
+pub(super) struct Said {
+    /// By `crs`, of all that stands in it.
+    crs: Option<System>,
+    /// By `coordRefSys`, of its `place` alone, or of itself where it is a geometry.
+    of_place: Option<System>,
+}
 
 /// A member as the file has it.
 #[derive(Clone, Debug, Default)]
@@ -25,12 +30,12 @@ struct Named {
 }
 
 /// A coordinate system.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum System {
     /// Longitude and latitude, in degrees.
     Degrees,
-    /// That of an EPSG code.
-    Epsg(u32),
+    /// That of an EPSG code, with the metres of its unit.
+    Epsg { code: u32, metres: f64 },
     /// One that is not known here.
     Unknown(String),
 }
@@ -42,67 +47,91 @@ pub(super) struct Ground {
     pub(super) metres: f64,
     /// Whether the file says what they are.
     pub(super) is_said: bool,
+    /// Whether that is said of `place` alone: the `geometry` beside it lies in degrees.
+    pub(super) is_of_place: bool,
 }
 
-impl Ground {
-    /// That of a file that says nothing.
-    pub(super) const UNSAID: Self = Self { metres: 1.0, is_said: false };
+/// How the coordinates of a feature become metres, by the member they stand in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grounds {
+    pub(super) geometry: Ground,
+    pub(super) place: Ground,
+}
+
+impl Grounds {
+    /// Those of a file that says nothing.
+    pub(super) const UNSAID: Self = {
+        let ground = Ground { metres: 1.0, is_said: false, is_of_place: false };
+        Self { geometry: ground, place: ground }
+    };
 }
 
 impl Said {
     /// The names of the members that say it.
     pub(super) const MEMBERS: [&'static str; 2] = ["crs", "coordRefSys"];
 
-    /// The system, where one is named.
+    /// The system of the object itself, where it is a geometry and names one.
     pub(super) fn system(&self) -> Option<&System> {
-        self.0.as_ref()
+        self.of_place.as_ref().or(self.crs.as_ref())
+    }
+
+    /// How coordinates in the object become metres, and what a person should know of them.
+    ///
+    /// # Errors
+    /// When they lie elsewhere than on the terrain.
+    pub(super) fn within(
+        &self,
+        outer: Grounds,
+        called: &dyn Fn() -> String,
+        terrain: Option<u32>,
+    ) -> Result<(Grounds, Option<String>), String> {
+        let (mut grounds, mut warning) = (outer, None);
+        if let Some(system) = &self.crs {
+            let (ground, told) = system.on(&called(), terrain)?;
+            (grounds, warning) = (Grounds { geometry: ground, place: ground }, told);
+        }
+        if let Some(system) = &self.of_place {
+            let (ground, told) = system.on(&called(), terrain)?;
+            grounds.place = ground;
+            if !grounds.geometry.is_said || grounds.geometry.is_of_place {
+                grounds.geometry = Ground { is_of_place: true, ..ground };
+            }
+            warning = warning.or(told);
+        }
+        Ok((grounds, warning))
     }
 }
 
 impl Object for Said {
-    fn member<'de, A: MapAccess<'de>>(
-        &mut self,
-        desk: &Desk<'_>,
-        key: &str,
-        object: &mut A,
-    ) -> Result<(), A::Error> {
-        if Self::MEMBERS.contains(&key) {
-            let system = system(&object.next_value_seed(An::<Crs>::of(desk))?);
-            self.0 = self.0.take().or(system);
-        } else {
-            object.next_value::<IgnoredAny>()?;
-        }
+    fn member<'de, A: MapAccess<'de>>(&mut self, next: Next<'_, A>) -> Result<(), A::Error> {
+        let said = match next.key {
+            "crs" => &mut self.crs,
+            "coordRefSys" => &mut self.of_place,
+            _ => return next.skip(),
+        };
+        let system = system(&next.object::<Crs>()?);
+        *said = said.take().or(system);
         Ok(())
     }
 }
 
 impl Object for Crs {
-    fn member<'de, A: MapAccess<'de>>(
-        &mut self,
-        desk: &Desk<'_>,
-        key: &str,
-        object: &mut A,
-    ) -> Result<(), A::Error> {
-        match key {
-            "properties" => self.properties = Some(object.next_value_seed(An::of(desk))?),
-            "href" => self.href = Some(object.next_value_seed(Any(AnItem(desk)))?),
-            _ => drop(object.next_value::<IgnoredAny>()?),
+    fn member<'de, A: MapAccess<'de>>(&mut self, next: Next<'_, A>) -> Result<(), A::Error> {
+        match next.key {
+            "properties" => self.properties = Some(next.object()?),
+            "href" => self.href = Some(next.item()?),
+            _ => next.skip()?,
         }
         Ok(())
     }
 }
 
 impl Object for Named {
-    fn member<'de, A: MapAccess<'de>>(
-        &mut self,
-        desk: &Desk<'_>,
-        key: &str,
-        object: &mut A,
-    ) -> Result<(), A::Error> {
-        match key {
-            "name" => self.name = Some(object.next_value_seed(Any(AnItem(desk)))?),
-            "code" => self.code = Some(object.next_value_seed(Any(AnItem(desk)))?),
-            _ => drop(object.next_value::<IgnoredAny>()?),
+    fn member<'de, A: MapAccess<'de>>(&mut self, next: Next<'_, A>) -> Result<(), A::Error> {
+        match next.key {
+            "name" => self.name = Some(next.item()?),
+            "code" => self.code = Some(next.item()?),
+            _ => next.skip()?,
         }
         Ok(())
     }
@@ -140,8 +169,11 @@ fn named(name: &str) -> System {
     match code.parse() {
         _ if matches!(code, "CRS84" | "CRS84H" | "WGS84" | "CRS83" | "CRS27") => System::Degrees,
         Ok(epsg) if !upper.contains("EPSG") => System::Unknown(format!("`{name}` ({epsg} of no EPSG)")),
-        Ok(epsg) if matches!(epsg::horizontal(epsg), Some(Unit::Degrees | Unit::Grads)) => System::Degrees,
-        Ok(epsg) => System::Epsg(epsg),
+        Ok(code) => match epsg::horizontal(code) {
+            Some(Unit::Degrees | Unit::Grads) => System::Degrees,
+            Some(Unit::Length(metres)) => System::Epsg { code, metres },
+            None => System::Epsg { code, metres: 1.0 },
+        },
         Err(_) => System::Unknown(format!("`{name}`")),
     }
 }
@@ -152,7 +184,7 @@ impl System {
     /// # Errors
     /// When they lie elsewhere.
     pub(super) fn on(&self, what: &str, terrain: Option<u32>) -> Result<(Ground, Option<String>), String> {
-        let ground = |metres| Ground { metres, is_said: true };
+        let ground = |metres| Ground { metres, is_said: true, is_of_place: false };
         match (self, terrain) {
             (Self::Degrees, _) => Err(format!(
                 "the coordinates of {what} are degrees, and metres are expected; reproject it to the terrain's \
@@ -164,28 +196,19 @@ impl System {
                     "the coordinate system of {what}, {name}, is not known; its coordinates are taken for metres"
                 )),
             )),
-            (Self::Epsg(epsg), Some(want)) if *epsg != want => {
-                Err(format!("{what} is in EPSG:{epsg}, the terrain in EPSG:{want}; reproject it"))
+            (Self::Epsg { code, .. }, Some(want)) if *code != want => {
+                Err(format!("{what} is in EPSG:{code}, the terrain in EPSG:{want}; reproject it"))
             }
-            (Self::Epsg(epsg), Some(_)) => Ok((ground(unit(*epsg)), None)),
-            (Self::Epsg(epsg), None) => {
-                let metres = unit(*epsg);
-                let of = if metres == 1.0 { String::new() } else { format!(", a unit being {metres} m") };
+            (Self::Epsg { metres, .. }, Some(_)) => Ok((ground(*metres), None)),
+            (Self::Epsg { code, metres }, None) => {
+                let of = if *metres == 1.0 { String::new() } else { format!(", a unit being {metres} m") };
                 let warning = format!(
-                    "{what} is in EPSG:{epsg}, and the terrain has no `geo`: its coordinates are taken from the \
+                    "{what} is in EPSG:{code}, and the terrain has no `geo`: its coordinates are taken from the \
                      terrain's north-west corner{of}"
                 );
-                Ok((ground(metres), Some(warning)))
+                Ok((ground(*metres), Some(warning)))
             }
         }
-    }
-}
-
-/// Metres of the unit of a projected system.
-fn unit(epsg: u32) -> f64 {
-    match epsg::horizontal(epsg) {
-        Some(Unit::Length(metres)) => metres,
-        _ => 1.0,
     }
 }
 
@@ -205,7 +228,7 @@ mod tests {
             "http://www.opengis.net/gml/srs/epsg.xml#25832",
             "[EPSG:25832]",
         ] {
-            assert_eq!(named(name), System::Epsg(25832), "{name}");
+            assert_eq!(named(name), System::Epsg { code: 25832, metres: 1.0 }, "{name}");
         }
         for name in [
             "urn:ogc:def:crs:OGC:1.3:CRS84",
@@ -223,12 +246,39 @@ mod tests {
             assert!(matches!(named(name), System::Unknown(_)), "{name}");
         }
     }
+
     #[test]
     fn units_of_systems_become_metres() {
-        let ground = |epsg: u32, terrain| System::Epsg(epsg).on("the file", terrain).map(|(g, _)| g.metres);
+        let ground = |code: u32, terrain| {
+            named(&format!("EPSG:{code}")).on("the file", terrain).map(|(ground, _)| ground.metres)
+        };
         assert_eq!(ground(2263, None), Ok(1200.0 / 3937.0));
         assert_eq!(ground(2263, Some(2263)), Ok(1200.0 / 3937.0));
         assert_eq!(ground(32611, Some(32611)), Ok(1.0));
         assert!(ground(2263, Some(32611)).is_err() && System::Degrees.on("it", None).is_err());
+    }
+    /// `crs` speaks of all, `coordRefSys` of `place` alone.
+    #[test]
+    fn what_is_said_holds_for_the_member_it_speaks_of() {
+        let said = |crs: Option<u32>, of_place: Option<u32>| {
+            let [crs, of_place] = [crs, of_place].map(|code| Some(named(&format!("EPSG:{}", code?))));
+            Said { crs, of_place }
+        };
+        let (us_foot, it) = (1200.0 / 3937.0, || "it".to_owned());
+        // Of the file, of the feature: metres of `geometry` and `place`, and whether the first is said of it.
+        for (file, feature, metres, is_of_place) in [
+            ((None, None), (None, None), [1.0, 1.0], false),
+            ((Some(2263), None), (None, None), [us_foot, us_foot], false),
+            ((None, Some(2263)), (None, None), [us_foot, us_foot], true),
+            ((Some(32611), Some(2263)), (None, None), [1.0, us_foot], false),
+            ((Some(32611), None), (None, Some(2263)), [1.0, us_foot], false),
+            ((None, Some(32611)), (None, Some(2263)), [us_foot, us_foot], true),
+            ((None, Some(32611)), (Some(2263), None), [us_foot, us_foot], false),
+        ] {
+            let (outer, _) = said(file.0, file.1).within(Grounds::UNSAID, &it, None).expect("no fault");
+            let (all, _) = said(feature.0, feature.1).within(outer, &it, None).expect("no fault");
+            let got = ([all.geometry.metres, all.place.metres], all.geometry.is_of_place);
+            assert_eq!(got, (metres, is_of_place), "{file:?} {feature:?}");
+        }
     }
 }

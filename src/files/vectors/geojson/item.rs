@@ -248,14 +248,42 @@ impl<'de> Take<'de> for AnItem<'_> {
     }
 }
 
+/// A member of an object whose value is still to be read.
+pub(super) struct Next<'a, A> {
+    pub(super) desk: &'a Desk<'a>,
+    pub(super) key: &'a str,
+    pub(super) object: &'a mut A,
+}
+
+impl<A> Next<'_, A> {
+    /// The value as it is.
+    pub(super) fn item<'de>(self) -> Result<Item, A::Error>
+    where
+        A: MapAccess<'de>,
+    {
+        self.object.next_value_seed(Any(AnItem(self.desk)))
+    }
+
+    /// The value as an object.
+    pub(super) fn object<'de, T: Object>(self) -> Result<Member<T>, A::Error>
+    where
+        A: MapAccess<'de>,
+    {
+        self.object.next_value_seed(An::of(self.desk))
+    }
+
+    /// Leaves the value out.
+    pub(super) fn skip<'de>(self) -> Result<(), A::Error>
+    where
+        A: MapAccess<'de>,
+    {
+        self.object.next_value::<IgnoredAny>().map(drop)
+    }
+}
+
 /// An object that is taken up member by member.
 pub(super) trait Object: Default {
-    fn member<'de, A: MapAccess<'de>>(
-        &mut self,
-        desk: &Desk<'_>,
-        key: &str,
-        object: &mut A,
-    ) -> Result<(), A::Error>;
+    fn member<'de, A: MapAccess<'de>>(&mut self, next: Next<'_, A>) -> Result<(), A::Error>;
 }
 
 /// An object, or what stands in its place.
@@ -281,45 +309,35 @@ impl<'de, T: Object> Take<'de> for An<'_, T> {
     fn object<A: MapAccess<'de>>(self, mut object: A) -> Result<Member<T>, A::Error> {
         let mut new = T::default();
         while let Some(key) = object.next_key::<Cow<'_, str>>()? {
-            new.member(self.0, &key, &mut object)?;
+            new.member(Next { desk: self.0, key: &key, object: &mut object })?;
         }
         Ok(Member::Here(new))
     }
 }
 
 impl Object for Geometry {
-    fn member<'de, A: MapAccess<'de>>(
-        &mut self,
-        desk: &Desk<'_>,
-        key: &str,
-        object: &mut A,
-    ) -> Result<(), A::Error> {
-        match key {
-            "type" => self.kind = Some(object.next_value_seed(Any(AnItem(desk)))?),
-            "coordinates" => self.coordinates = Some(object.next_value_seed(Any(AnItem(desk)))?),
-            "geometries" => self.geometries = object.next_value_seed(Any(Geometries(desk)))?,
-            _ => self.lies.member(desk, key, object)?,
+    fn member<'de, A: MapAccess<'de>>(&mut self, next: Next<'_, A>) -> Result<(), A::Error> {
+        match next.key {
+            "type" => self.kind = Some(next.item()?),
+            "coordinates" => self.coordinates = Some(next.item()?),
+            "geometries" => self.geometries = next.object.next_value_seed(Any(Geometries(next.desk)))?,
+            _ => self.lies.member(next)?,
         }
         Ok(())
     }
 }
 
 impl Object for Feature {
-    fn member<'de, A: MapAccess<'de>>(
-        &mut self,
-        desk: &Desk<'_>,
-        key: &str,
-        object: &mut A,
-    ) -> Result<(), A::Error> {
-        match key {
-            "geometry" => self.geometry = Some(object.next_value_seed(An::of(desk))?),
-            "place" => self.place = Some(object.next_value_seed(An::of(desk))?),
-            "id" => self.id = Some(object.next_value_seed(Any(AnItem(desk)))?),
-            "properties" => match object.next_value_seed(An::<Properties>::of(desk))? {
+    fn member<'de, A: MapAccess<'de>>(&mut self, next: Next<'_, A>) -> Result<(), A::Error> {
+        match next.key {
+            "geometry" => self.geometry = Some(next.object()?),
+            "place" => self.place = Some(next.object()?),
+            "id" => self.id = Some(next.item()?),
+            "properties" => match next.object::<Properties>()? {
                 Member::Here(Properties(asked)) => self.properties = asked,
                 Member::Other(_) => self.properties.clear(),
             },
-            _ => self.lies.member(desk, key, object)?,
+            _ => self.lies.member(next)?,
         }
         Ok(())
     }
@@ -330,17 +348,12 @@ impl Object for Feature {
 pub(super) struct Properties(pub(super) BTreeMap<String, Item>);
 
 impl Object for Properties {
-    fn member<'de, A: MapAccess<'de>>(
-        &mut self,
-        desk: &Desk<'_>,
-        key: &str,
-        object: &mut A,
-    ) -> Result<(), A::Error> {
-        if desk.asked.contains(key) {
-            self.0.insert(key.to_owned(), object.next_value_seed(Any(AnItem(desk)))?);
-        } else {
-            object.next_value::<IgnoredAny>()?;
+    fn member<'de, A: MapAccess<'de>>(&mut self, next: Next<'_, A>) -> Result<(), A::Error> {
+        if !next.desk.asked.contains(next.key) {
+            return next.skip();
         }
+        let name = next.key.to_owned();
+        self.0.insert(name, next.item()?);
         Ok(())
     }
 }

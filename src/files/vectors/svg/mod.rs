@@ -1,11 +1,14 @@
 //! Lines of SVG pictures.
 
 mod arc;
+mod css;
 mod entities;
 mod moves;
 mod pen;
 mod place;
+mod scopes;
 mod shape;
+mod sheet;
 mod style;
 mod tree;
 

@@ -61,7 +61,6 @@ fn step(name: &str, values: &[&str], view: Viewport) -> Option<Affine> {
     let number = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite());
     let x = |text: &str| view.length_of(text, Along::Width).ok();
     let y = |text: &str| view.length_of(text, Along::Height).ok();
-    let tan = |text: &str| Some(libm::tan(degrees(text)?.to_radians()));
     Some(match (name, values) {
         ("matrix", [a, b, c, d, e, f]) => {
             Affine([number(a)?, number(b)?, number(c)?, number(d)?, x(e)?, y(f)?])
@@ -69,17 +68,14 @@ fn step(name: &str, values: &[&str], view: Viewport) -> Option<Affine> {
         ("translate", [a]) | ("translatex", [a]) => Affine::shift(x(a)?, 0.0),
         ("translate", [a, b]) => Affine::shift(x(a)?, y(b)?),
         ("translatey", [b]) => Affine::shift(0.0, y(b)?),
-        ("scale", [a]) => Affine([number(a)?, 0.0, 0.0, number(a)?, 0.0, 0.0]),
-        ("scale", [a, b]) => Affine([number(a)?, 0.0, 0.0, number(b)?, 0.0, 0.0]),
-        ("scalex", [a]) => Affine([number(a)?, 0.0, 0.0, 1.0, 0.0, 0.0]),
-        ("scaley", [b]) => Affine([1.0, 0.0, 0.0, number(b)?, 0.0, 0.0]),
-        ("rotate", [angle]) => {
-            let (sin, cos) = libm::sincos(degrees(angle)?.to_radians());
-            Affine([cos, sin, -sin, cos, 0.0, 0.0])
-        }
-        ("skew", [a]) | ("skewx", [a]) => Affine([1.0, 0.0, tan(a)?, 1.0, 0.0, 0.0]),
-        ("skew", [a, b]) => Affine([1.0, tan(b)?, tan(a)?, 1.0, 0.0, 0.0]),
-        ("skewy", [b]) => Affine([1.0, tan(b)?, 0.0, 1.0, 0.0, 0.0]),
+        ("scale", [a]) => Affine::scale(number(a)?, number(a)?),
+        ("scale", [a, b]) => Affine::scale(number(a)?, number(b)?),
+        ("scalex", [a]) => Affine::scale(number(a)?, 1.0),
+        ("scaley", [b]) => Affine::scale(1.0, number(b)?),
+        ("rotate", [angle]) => Affine::rotate(degrees(angle)?),
+        ("skew", [a]) | ("skewx", [a]) => Affine::skew(degrees(a)?, 0.0),
+        ("skew", [a, b]) => Affine::skew(degrees(a)?, degrees(b)?),
+        ("skewy", [b]) => Affine::skew(0.0, degrees(b)?),
         _ => return None,
     })
 }

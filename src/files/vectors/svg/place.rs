@@ -37,20 +37,32 @@ impl Affine {
         Self([1.0, 0.0, 0.0, 1.0, x, y])
     }
 
+    pub(super) fn scale(x: f64, y: f64) -> Self {
+        Self([x, 0.0, 0.0, y, 0.0, 0.0])
+    }
+
+    /// By degrees, from the x axis to the y axis.
+    pub(super) fn rotate(degrees: f64) -> Self {
+        let (sin, cos) = libm::sincos(degrees.to_radians());
+        Self([cos, sin, -sin, cos, 0.0, 0.0])
+    }
+
+    /// By the degrees that each axis is turned towards the other.
+    pub(super) fn skew(x: f64, y: f64) -> Self {
+        let [x, y] = [x, y].map(|degrees| libm::tan(degrees.to_radians()));
+        Self([1.0, y, x, 1.0, 0.0, 0.0])
+    }
+
     fn of(token: &TransformListToken) -> Self {
         use TransformListToken as T;
-        let tan = |degrees: f64| libm::tan(degrees.to_radians());
-        Self(match *token {
-            T::Matrix { a, b, c, d, e, f } => [a, b, c, d, e, f],
-            T::Translate { tx, ty } => [1.0, 0.0, 0.0, 1.0, tx, ty],
-            T::Scale { sx, sy } => [sx, 0.0, 0.0, sy, 0.0, 0.0],
-            T::Rotate { angle } => {
-                let (sin, cos) = libm::sincos(angle.to_radians());
-                [cos, sin, -sin, cos, 0.0, 0.0]
-            }
-            T::SkewX { angle } => [1.0, 0.0, tan(angle), 1.0, 0.0, 0.0],
-            T::SkewY { angle } => [1.0, tan(angle), 0.0, 1.0, 0.0, 0.0],
-        })
+        match *token {
+            T::Matrix { a, b, c, d, e, f } => Self([a, b, c, d, e, f]),
+            T::Translate { tx, ty } => Self::shift(tx, ty),
+            T::Scale { sx, sy } => Self::scale(sx, sy),
+            T::Rotate { angle } => Self::rotate(angle),
+            T::SkewX { angle } => Self::skew(angle, 0.0),
+            T::SkewY { angle } => Self::skew(0.0, angle),
+        }
     }
 
     /// This after what moves an element: the `transform` of its styles, else of its attribute, about its origin.

@@ -10,13 +10,13 @@ use quick_xml::Reader;
 use quick_xml::events::attributes::Attributes;
 use quick_xml::events::{BytesStart, Event};
 
+use super::css;
 use super::entities::{Between, Entities, TooLong};
-use super::style::{Look, Looks, Moves};
+use super::scopes::{Scopes, Space};
+use super::style::{Look, Looks, Moves, StyleText};
 use crate::files::vectors::tally::{Notice, Tally};
 use crate::files::vectors::{MAX_ELEMENTS, Mapping, Watch, short, too_many};
 use crate::value::curves::CurveError;
-
-const NAMESPACE: &str = "http://www.w3.org/2000/svg";
 
 /// Elements that hold nothing to draw, with all that stands in them.
 const IDLE: [&str; 10] = [
@@ -112,12 +112,12 @@ impl<'t> Tree<'t> {
             depth: 0,
             idle: None,
             in_style: false,
-            css: String::new(),
+            styles: Vec::new(),
             tally,
         };
         parser.all(text, watch)?;
-        let Parser { mut tree, css, tally, .. } = parser;
-        tree.looks = Looks::of(&tree, &css, tally, || watch.at(text.len()))?;
+        let Parser { mut tree, styles, tally, .. } = parser;
+        tree.looks = Looks::of(&tree, &styles, tally, &|| watch.at(text.len()))?;
         Ok(tree)
     }
 
@@ -127,6 +127,12 @@ impl<'t> Tree<'t> {
 
     pub(super) fn node(&self, index: usize) -> Node<'_> {
         Node { tree: self, index }
+    }
+
+    /// The line of the text that a place stands in.
+    pub(super) fn line(&self, at: usize) -> usize {
+        let before = self.text.as_bytes().get(..at).unwrap_or_default();
+        1 + before.iter().filter(|b| **b == b'\n').count()
     }
 
     /// The first element of each `id`.
@@ -187,8 +193,7 @@ impl<'a> Node<'a> {
 
     /// What it is called in messages.
     pub(super) fn place(&self) -> String {
-        let before = self.tree.text.as_bytes().get(..self.element().at).unwrap_or_default();
-        let line = 1 + before.iter().filter(|b| **b == b'\n').count();
+        let line = self.tree.line(self.element().at);
         match self.attribute("id") {
             Some(id) => format!("{} `{}` in line {line}", short(self.name()), short(id)),
             None => format!("{} in line {line}", short(self.name())),
@@ -208,8 +213,8 @@ struct Parser<'t, 'm> {
     idle: Option<usize>,
     /// Whether that is a style sheet.
     in_style: bool,
-    /// The style sheets, one after the other.
-    css: String,
+    /// The style sheets, in the order of the file.
+    styles: Vec<StyleText>,
     tally: &'m mut Tally,
 }
 
@@ -242,8 +247,8 @@ impl<'t> Parser<'t, '_> {
                     self.entities = Entities::declared(&doctype)?;
                 }
                 Event::GeneralRef(name) => self.reference(&name.decode().map_err(not_xml)?, at)?,
-                Event::Text(css) if self.in_style => self.css.push_str(&css.decode().map_err(not_xml)?),
-                Event::CData(css) if self.in_style => self.css.push_str(&css.decode().map_err(not_xml)?),
+                Event::Text(css) if self.in_style => self.style(&css.decode().map_err(not_xml)?),
+                Event::CData(css) if self.in_style => self.style(&css.decode().map_err(not_xml)?),
                 Event::PI(told) if told.target() == b"xml-stylesheet" => {
                     self.tally.add(Notice::Style, || "the style sheet of another file".to_owned());
                 }
@@ -261,11 +266,19 @@ impl<'t> Parser<'t, '_> {
         Ok(())
     }
 
+    /// More text of the style sheet that is open.
+    fn style(&mut self, text: &str) {
+        if let Some(sheet) = self.styles.last_mut() {
+            sheet.css.push_str(text);
+        }
+    }
+
     /// A reference between elements.
     fn reference(&mut self, name: &str, at: usize) -> Result<(), CurveError> {
         if self.in_style {
             let reference = format!("&{name};");
-            self.css.push_str(&self.entities.unfold(&reference)?.0);
+            let (text, _) = self.entities.unfold(&reference)?;
+            self.style(&text);
         } else if self.idle.is_none() {
             let notice = match self.entities.between(name) {
                 Between::Text => return Ok(()),
@@ -300,7 +313,9 @@ impl<'t> Parser<'t, '_> {
         if !root && (space == Space::Other || IDLE.contains(&name)) {
             self.tree.attributes.truncate(first);
             self.idle = Some(self.depth);
-            self.in_style = space == Space::Picture && name == "style" && self.holds(tag_text, full.len())?;
+            if space == Space::Picture && name == "style" {
+                self.style_sheet(tag_text, full.len(), at)?;
+            }
             return Ok(());
         }
         too_many("elements of the picture", MAX_ELEMENTS, self.tree.elements.len() + 1)?;
@@ -342,20 +357,27 @@ impl<'t> Parser<'t, '_> {
         Ok(())
     }
 
-    /// Whether a style sheet holds for what is drawn here.
-    fn holds(&mut self, tag: &'t str, name: usize) -> Result<bool, CurveError> {
-        let mut holds = true;
+    /// Begins a style sheet, where it may hold for what is drawn here.
+    fn style_sheet(&mut self, tag: &'t str, name: usize, at: usize) -> Result<(), CurveError> {
+        let (mut is_css, mut holds) = (true, Some(true));
         for attribute in Attributes::new(tag, name).with_checks(false) {
             let attribute = attribute.map_err(not_xml)?;
-            let value = slice(tag, &attribute.value).trim().to_ascii_lowercase();
+            let value = slice(tag, &attribute.value);
             match attribute.key.as_ref() {
-                b"type" => holds &= matches!(&*value, "" | "text/css"),
-                b"media" => holds &= value.is_empty() || value.split(',').any(|m| is_screen(m.trim())),
+                b"type" => {
+                    // Parameters may follow, as the encoding.
+                    let kind = value.split(';').next().unwrap_or_default().trim();
+                    is_css = kind.is_empty() || kind.eq_ignore_ascii_case("text/css");
+                }
+                b"media" => holds = css::is_for_screen(value),
                 _ => (),
             }
         }
-        self.css.push('\n');
-        Ok(holds)
+        self.in_style = is_css && holds != Some(false);
+        if self.in_style {
+            self.styles.push(StyleText { at, css: String::new(), holds: holds == Some(true) });
+        }
+        Ok(())
     }
 
     fn end(&mut self) {
@@ -373,53 +395,8 @@ impl<'t> Parser<'t, '_> {
     }
 }
 
-/// Whether a style sheet for a medium holds for a picture on a screen.
-fn is_screen(medium: &str) -> bool {
-    matches!(medium, "all" | "screen")
-}
-
 /// The part of a text that a slice of its bytes is.
 fn slice<'t>(text: &'t str, part: &[u8]) -> &'t str {
     let at = (part.as_ptr() as usize).wrapping_sub(text.as_ptr() as usize);
     text.get(at..at.saturating_add(part.len())).unwrap_or_default()
-}
-
-/// What the elements of a namespace are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Space {
-    /// Of a picture, or of no namespace at all.
-    Picture,
-    /// Of something else.
-    Other,
-}
-
-/// The namespaces of prefixes.
-#[derive(Debug, Default)]
-struct Scopes<'t> {
-    spaces: BTreeMap<&'t str, Vec<Space>>,
-    /// Depth and prefix of what was declared, to be undone.
-    declared: Vec<(usize, &'t str)>,
-}
-
-impl<'t> Scopes<'t> {
-    fn declare(&mut self, depth: usize, prefix: &'t str, value: &str) {
-        let space = if value == NAMESPACE || value.is_empty() { Space::Picture } else { Space::Other };
-        self.spaces.entry(prefix).or_default().push(space);
-        self.declared.push((depth, prefix));
-    }
-
-    fn leave(&mut self, depth: usize) {
-        while let Some((_, prefix)) = self.declared.pop_if(|(d, _)| *d == depth) {
-            if let Some(spaces) = self.spaces.get_mut(prefix) {
-                spaces.pop();
-            }
-        }
-    }
-
-    /// That of a prefix; one that is declared nowhere tells by its name.
-    fn of(&self, prefix: &str) -> Space {
-        let declared = self.spaces.get(prefix).and_then(|spaces| spaces.last().copied());
-        let undeclared = if prefix.is_empty() || prefix == "svg" { Space::Picture } else { Space::Other };
-        declared.unwrap_or(undeclared)
-    }
 }
