@@ -21,6 +21,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["asc"],
     magic: &[],
     companions: &["prj"],
+    claims_early: true,
     claim,
     read,
     reads: "Esri ASCII grid: corner or centre, `cellsize` or `dx` and `dy`, decimal points or commas, comments; `null`, \

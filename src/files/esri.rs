@@ -14,6 +14,7 @@ pub(super) static FLT: Codec = Codec {
     extensions: &["flt"],
     magic: &[],
     companions: &["hdr", "prj"],
+    claims_early: true,
     claim: |input| claim(input, &FLT),
     read: |input| read(input, &FLT),
     reads: "32-bit floats, described by a `.hdr` beside them",
@@ -25,7 +26,8 @@ pub(super) static BIL: Codec = Codec {
     name: "Esri band file",
     extensions: &["bil", "bip", "bsq"],
     magic: &[],
-    companions: &["hdr", "prj", "blw"],
+    companions: &["hdr", "prj", "blw", "bilw", "bpw", "bqw"],
+    claims_early: true,
     claim: |input| claim(input, &BIL),
     read: |input| read(input, &BIL),
     reads: "u8 i8 u16 i16 u32 i32 f32 f64 in either byte order, described by a `.hdr` beside them: bands, layout, bytes \

@@ -13,6 +13,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["hgt"],
     magic: &[],
     companions: &[],
+    claims_early: true,
     claim,
     read,
     reads: "SRTM tile, big-endian: a square of any size, or the narrower tiles of high latitudes (1801 x 3601, 601 x 1201 \

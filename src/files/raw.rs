@@ -16,6 +16,7 @@ pub(super) static CODEC16: Codec = Codec {
     extensions: &["r16", "raw"],
     magic: &[],
     companions: &["json"],
+    claims_early: true,
     claim: |input| claim(input, RawSample::U16),
     read: |input| read(input, &CODEC16, RawSample::U16),
     reads: "samples without a header: 16-bit integers, little-endian, unless `sample`, `byte_order` and `cols` of a sidecar \
@@ -29,6 +30,7 @@ pub(super) static CODEC32: Codec = Codec {
     extensions: &["r32"],
     magic: &[],
     companions: &["json"],
+    claims_early: true,
     claim: |input| claim(input, RawSample::F32),
     read: |input| read(input, &CODEC32, RawSample::F32),
     reads: "the same, of 32-bit floats",

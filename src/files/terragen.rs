@@ -12,6 +12,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["ter"],
     magic: &[b"TERRAGENTERRAIN "],
     companions: &[],
+    claims_early: true,
     claim,
     read,
     reads: "Terragen terrain: `SIZE`, `XPTS`, `YPTS`, `SCAL`, `CRAD`, `CRVM`, `ALTW`; rows from the south",

@@ -13,6 +13,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["xyz"],
     magic: &[],
     companions: &["prj"],
+    claims_early: false,
     claim,
     read,
     reads: "lines of x, y, z on a regular grid, in any order, parted by blanks, tabs, commas or semicolons; a line of names \
