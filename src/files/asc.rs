@@ -87,7 +87,7 @@ fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     strike(&mut data, input.reading.nodata);
     let system = world::system(input, &mut origin.notes);
     let placement = header.placement([cols, rows], system);
-    let unit = wkt::metres_of_heights(system.as_ref());
+    let unit = wkt::metres_of_heights(system.as_ref(), &mut origin.notes);
     let mut file = HeightFile { cols, rows, data, metres: true, placement, origin };
     file.scale(unit, 0.0);
     Ok(file)

@@ -33,7 +33,7 @@ pub(super) static BIL: Codec = Codec {
     reads: "u8 i8 u16 i16 u32 i32 f32 f64 in either byte order, described by a `.hdr` beside them: bands, layout, bytes \
             to skip; of several bands the first, or the one whose number `channel` gives",
     metres: "yes; the unit that a `.prj` gives heights is applied",
-    place: "from `.hdr`; EPSG code and unit from `.prj`",
+    place: "from `.hdr`, or else `.blw`, `.bpw` or `.bqw`; EPSG code and unit from `.prj`",
 };
 
 /// The words for the number that marks voids.
@@ -218,8 +218,13 @@ fn read(input: &Input<'_>, codec: &'static Codec) -> Result<HeightFile, Fault> {
         origin.notes.push(format!("{bands} bands, of which number {} is read", band + 1));
     }
     let system = world::system(input, &mut origin.notes);
-    let placement = header.placement([cols, rows], system);
-    let unit = wkt::metres_of_heights(system.as_ref());
+    let mut placement = header.placement([cols, rows], system);
+    if placement.affine.is_none()
+        && let Some(affine) = world::beside(input, &mut origin.notes)
+    {
+        placement = world::placed(affine, Anchor::Area, system, [cols, rows]);
+    }
+    let unit = wkt::metres_of_heights(system.as_ref(), &mut origin.notes);
     let mut file = HeightFile { cols, rows, data, metres: true, placement, origin };
     file.scale(unit, 0.0);
     Ok(file)

@@ -34,13 +34,7 @@ pub(super) fn apply(input: &Input<'_>, file: &mut HeightFile) {
         file.origin.notes.push("the `.aux.xml` beside it is not understood".into());
         return;
     };
-    let unit = epsg::metres_of_word(&band.unit);
-    if unit.is_none() && !band.unit.is_empty() {
-        let word = &band.unit;
-        let note =
-            format!("the unit of the `.aux.xml` beside it, \"{word}\", is not known: it is taken for metres");
-        file.origin.notes.push(note);
-    }
+    let unit = epsg::unit_of("the `.aux.xml` beside it", &band.unit, &mut file.origin.notes);
     let nodata = band.nodata.filter(|_| file.origin.nodata.is_none());
     let (factor, summand) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
     let scales = (factor, summand, unit.unwrap_or(1.0)) != (1.0, 0.0, 1.0);

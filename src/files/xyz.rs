@@ -222,7 +222,7 @@ fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let system = world::system(input, &mut origin.notes);
     let affine = Affine::upright([west, north], [dx, dy]);
     let placement = world::placed(affine, Anchor::Point, system, [cols, rows]);
-    let unit = wkt::metres_of_heights(system.as_ref());
+    let unit = wkt::metres_of_heights(system.as_ref(), &mut origin.notes);
     let mut file = HeightFile { cols, rows, data, metres: true, placement, origin };
     strike(&mut file.data, input.reading.nodata);
     file.scale(unit, 0.0);

@@ -8,7 +8,7 @@ use super::super::input::{Claim, Input};
 use super::super::place::Placement;
 use super::super::voids::strike;
 use super::super::watch::Watch;
-use super::super::world;
+use super::super::{wkt, world};
 use super::ifd::Directory;
 use super::layout::{Chunks, Layout};
 use super::{CODEC, gdal, geo, tag};
@@ -54,7 +54,8 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
         if beside.affine.is_some() {
             // The file's own word on the system goes before that of a file beside it.
             placement = Placement { epsg: placement.epsg.or(beside.epsg), ..beside };
-            unit = unit.or_else(|| world::system(input, &mut Vec::new()).and_then(|s| s.heights));
+            let system = world::system(input, &mut Vec::new());
+            unit = unit.or_else(|| wkt::unit_of_heights(system.as_ref(), &mut origin.notes));
         }
     }
     let unit = unit.unwrap_or(1.0);
