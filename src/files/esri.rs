@@ -211,7 +211,7 @@ fn read(input: &Input<'_>, codec: &'static Codec) -> Result<HeightFile, Fault> {
     strike(&mut data, input.reading.nodata);
     let (cols, rows) = (flat.cols as usize, flat.rows as usize);
     let mut origin = Origin::new(codec, flat.number.name());
-    origin.nodata = nodata.or(input.reading.nodata);
+    origin.nodata = nodata;
     origin.bands = bands as usize;
     origin.notes.extend(header.note_of_sign(flat.number));
     if bands > 1 {

@@ -189,9 +189,10 @@ impl Sidecar {
             ));
         }
         let believed = !other_size || self.orograph.is_some();
-        for code in [self.nodata.filter(|_| believed), reading.nodata] {
+        let nodata = self.nodata.filter(|_| believed);
+        file.origin.nodata = nodata.or(file.origin.nodata);
+        for code in [nodata, reading.nodata] {
             strike(&mut file.data, code);
-            file.origin.nodata = code.or(file.origin.nodata);
         }
         if !believed {
             return;
@@ -209,6 +210,7 @@ impl Sidecar {
         }
         if self.rows_from == Side::South {
             file.flip();
+            file.origin.turned = true;
         }
         if let Some(step) = self.steps().filter(|_| !other_size) {
             file.placement = match self.geo {

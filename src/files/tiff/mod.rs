@@ -15,6 +15,8 @@ mod samples;
 mod unpack;
 mod write;
 
+pub(super) use read::{mask_bytes, strike_mask};
+
 use super::codec::{Codec, Form};
 
 pub(super) static CODEC: Codec = Codec {
