@@ -2,7 +2,7 @@
 
 use super::codec::Codec;
 use super::error::Fault;
-use super::height::{HeightFile, Origin, room};
+use super::height::{HeightFile, Origin, filled};
 use super::input::{Claim, Input};
 use super::place::{Affine, Anchor};
 use super::voids::strike;
@@ -197,8 +197,7 @@ fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
 fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let Lattice { west, north, step: [dx, dy], cols, rows } = lattice(input)?;
     let (cols, rows) = (cols as usize, rows as usize);
-    let mut data = room(cols * rows)?;
-    data.resize(cols * rows, f32::NAN);
+    let mut data = filled(cols * rows, f32::NAN, &input.watch)?;
     let (mut again, mut first) = (0u64, None);
     each_point(input, [0.4, 1.0], |line, [x, y, z]| {
         let (u, v) = ((x - west) / dx, (north - y) / dy);
