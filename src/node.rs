@@ -398,7 +398,7 @@ pub trait Node:
     }
 
     /// What reading and decoding the files takes: bytes at the peak, the content among them, and seconds on one core.
-    /// Headers may be looked at, the content may not.
+    /// Headers may be looked at; the content may not, unless its hash is known, so that somebody has gone through it before.
     ///
     /// # Errors
     /// What is wrong with a file, as far as it shows there: then nobody has to go through its content.

@@ -72,7 +72,7 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     let (scale, offset) = (args.height_scale, args.height_offset);
     let fill = args.fill;
     let scaled = move |file| {
-        let file = scaled(file, scale, offset)?;
+        let file = height::scaled(file, scale, offset)?;
         if fill { filled(file) } else { Ok(file) }
     };
     let (reading, budget) = (args.read.reading(&args.input)?, args.memory.budget());
@@ -134,20 +134,6 @@ fn filled(mut file: HeightFile) -> Result<HeightFile, Stop> {
     let all = || Stop::new(Exit::Input, "nothing but voids: there is no height to fill them with");
     if fill_voids(cols, rows, &mut file.data).ok_or_else(all)? > 0 {
         file.origin.nodata = None;
-    }
-    Ok(file)
-}
-
-/// The heights times a factor, plus a summand.
-fn scaled(mut file: HeightFile, scale: f64, offset: f64) -> Result<HeightFile, Stop> {
-    if (scale, offset) == (1.0, 0.0) {
-        return Ok(file);
-    }
-    file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
-    if file.data.iter().any(|z| z.is_infinite()) {
-        return Err(Stop::usage(format!(
-            "--height-scale {scale} and --height-offset {offset} make heights that no file can hold"
-        )));
     }
     Ok(file)
 }

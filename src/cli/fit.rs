@@ -47,8 +47,11 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
-    let dry = heed::given([("-o", args.dry_run && args.out.is_some())]);
-    heed::refuse(dry, "a graph that is written, and --dry-run writes none")?;
+    let (dry, other) = (args.dry_run, args.out.is_some());
+    let of_writing = heed::given([("-o", dry && other), ("--overwrite", dry && args.overwrite)]);
+    heed::refuse(of_writing, "a graph that is written, and --dry-run writes none")?;
+    let of_other = heed::given([("--overwrite", args.overwrite && !other)]);
+    heed::refuse(of_other, "another graph; name it with -o")?;
     let target = args.out.as_ref().unwrap_or(&args.graph);
     let is_other = target != &args.graph && target.symlink_metadata().is_ok();
     if is_other && !args.overwrite {
@@ -142,10 +145,18 @@ impl Fitting<'_> {
         args: &Args,
         nodes: &[(NodeId, ImportHeight)],
     ) -> Result<(), Stop> {
-        let of_node = nodes.iter().find_map(|(_, node)| node.cell);
-        let cell = args.cell.map(Metres).or(of_node);
-        let raster = Placed { cols: file.cols, rows: file.rows, placement: file.placement, cell };
-        let [dx, dy] = raster.steps().ok_or_else(|| {
+        // A georeference has the steps of the file: a cell of the node's own is not heeded there.
+        let by_cell = nodes.iter().filter(|(_, node)| node.placement != Placing::Georeference);
+        if args.cell.is_some() && by_cell.clone().count() < nodes.len() {
+            return Err(Stop::usage(
+                "--cell is for nodes that are stretched or placed at true size, and a georeference has the steps of the file",
+            ));
+        }
+        let of_node = by_cell.into_iter().find_map(|(_, node)| node.cell);
+        let steps_at = |cell: Option<Metres>| {
+            Placed { cols: file.cols, rows: file.rows, placement: file.placement, cell }.steps()
+        };
+        let [dx, dy] = steps_at(args.cell.map(Metres).or(of_node)).ok_or_else(|| {
             Stop::usage("the file does not say how far apart its samples are; say it with --cell METRES")
         })?;
         let extent = [dx * (file.cols - 1) as f64, dy * (file.rows - 1) as f64];
@@ -165,7 +176,8 @@ impl Fitting<'_> {
                         let middle = json!({ "true_size": { "x": 0, "y": 0, "rotation": 0 } });
                         self.put(&format!("{name}.placement"), middle);
                     }
-                    if file.placement.cell.is_none() {
+                    // The terrain has the size of the file at these steps, so the node must have them as well.
+                    if steps_at(node.cell) != Some([dx, dy]) {
                         self.put(&format!("{name}.cell"), json!(dx));
                     }
                 }

@@ -193,6 +193,21 @@ fn read_here(
     Ok(file)
 }
 
+/// The heights times a factor, plus a summand: `--height-scale` and `--height-offset`.
+pub(super) fn scaled(mut file: HeightFile, scale: f64, offset: f64) -> Result<HeightFile, Stop> {
+    if (scale, offset) == (1.0, 0.0) {
+        return Ok(file);
+    }
+    file.data.iter_mut().for_each(|z| *z = (f64::from(*z) * scale + offset) as f32);
+    if file.data.iter().any(|z| z.is_infinite()) {
+        let plus = if offset == 0.0 { String::new() } else { format!(" with --height-offset {offset}") };
+        return Err(Stop::usage(format!(
+            "--height-scale {scale}{plus} makes heights that are too large to be kept"
+        )));
+    }
+    Ok(file)
+}
+
 /// Refuses what the budget has no room for.
 fn admit(name: &str, claim: &Claim, bytes_a_sample: u64, budget: u64) -> Result<(), Stop> {
     let more = claim.cols.saturating_mul(claim.rows).saturating_mul(bytes_a_sample);

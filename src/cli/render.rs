@@ -173,6 +173,7 @@ impl Args {
             ("--cache", self.engine.cache.is_some()),
             ("--cache-size", self.engine.cache_size.is_some()),
             ("--time", self.engine.time.is_some()),
+            ("--threads", self.engine.threads.is_some()),
         ]);
         self.graph.refuse("graphs", self.graph.given().chain(given))
     }
@@ -339,9 +340,7 @@ fn from_file(args: &Args, cancel: &Cancel) -> Result<Subject, Stop> {
     let work = move |mut file: HeightFile| {
         file.origin.notes.iter().for_each(|n| tell(&format!("note: {n}")));
         fill_voids(file.cols, file.rows, &mut file.data);
-        if let Some(scale) = height_scale {
-            file.data.iter_mut().for_each(|z| *z *= scale as f32);
-        }
+        file = height::scaled(file, height_scale.unwrap_or(1.0), 0.0)?;
         if let Some(cell) = own_cell {
             file.placement.cell = Some([cell; 2]);
         }

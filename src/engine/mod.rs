@@ -183,19 +183,35 @@ impl Engine {
     /// States what an evaluation would run. No content of a file is read: where it is not known, the plan counts
     /// nothing as cached that depends on it, and [`know`](Self::know) makes it one that does.
     pub fn plan(&self, graph: &Graph, wants: &[Want]) -> Plan {
-        self.plan_of(graph, wants, self.files.sources(), Stock::All)
+        let plan = self.plan_until(graph, wants, &Cancel::default());
+        plan.unwrap_or_else(|_| unreachable!("nobody holds the signal"))
     }
 
-    fn plan_of(&self, graph: &Graph, wants: &[Want], sources: Arc<Sources>, stock: Stock) -> Plan {
+    /// The same, unless it is cancelled: of a graph of many nodes a plan takes a while.
+    ///
+    /// # Errors
+    /// When the work is cancelled.
+    pub fn plan_until(&self, graph: &Graph, wants: &[Want], cancel: &Cancel) -> Result<Plan, EngineError> {
+        self.plan_of(graph, wants, (self.files.sources(), Stock::All), cancel)
+    }
+
+    fn plan_of(
+        &self,
+        graph: &Graph,
+        wants: &[Want],
+        (sources, stock): (Arc<Sources>, Stock),
+        cancel: &Cancel,
+    ) -> Result<Plan, EngineError> {
         let passed: Vec<_> = wants.iter().map(|w| graph.passed(w.source())).collect();
         let nodes: Vec<NodeId> = passed.iter().flatten().map(|s| s.node).collect();
-        let program = Arc::new(Program::new(graph, &nodes, sources));
+        let program = Arc::new(Program::new(graph, &nodes, sources, cancel).ok_or(EngineError::Cancelled)?);
         let find = |(want, passed): (&Want, &Option<Source>)| {
             let step = passed.and_then(|s| Some((program.find(s.node)?, s.port, want.grid)));
             step.ok_or_else(|| Arc::new(Failure::Graph(absent(graph, want))))
         };
         let wants: Vec<_> = wants.iter().zip(&passed).map(find).collect();
-        Plan::new(program, &wants, (&self.store, stock), self.keep == Keep::Lasting)
+        let plan = Plan::new(program, &wants, (&self.store, stock), self.keep == Keep::Lasting, cancel);
+        plan.ok_or(EngineError::Cancelled)
     }
 
     /// Makes a plan one that knows the content of all files: reads those that are not known, after the plan was held
@@ -217,7 +233,7 @@ impl Engine {
         }
         self.admit_reading(plan)?;
         learn(&unread, observer, cancel)?;
-        *plan = self.plan_of(graph, wants, plan.program.sources.clone(), Stock::All);
+        *plan = self.plan_of(graph, wants, (plan.program.sources.clone(), Stock::All), cancel)?;
         Ok(())
     }
 
@@ -235,7 +251,7 @@ impl Engine {
     /// The key of a node's results, whatever the grid; `None` when the node has a fault, or the content of a file
     /// before it is not known.
     pub fn key(&self, graph: &Graph, node: NodeId) -> Option<Key> {
-        let program = Program::new(graph, &[node], self.files.sources());
+        let program = Program::new(graph, &[node], self.files.sources(), &Cancel::default())?;
         let step = program.steps.get(program.find(node)?)?;
         step.as_ref().ok().and_then(|s| s.key)
     }
@@ -254,13 +270,14 @@ impl Engine {
         cancel: &Cancel,
     ) -> Result<BTreeMap<NodeId, Key>, EngineError> {
         let sources = self.files.sources();
-        let mut program = Program::new(graph, nodes, sources.clone());
+        let made = || Program::new(graph, nodes, sources.clone(), cancel).ok_or(EngineError::Cancelled);
+        let mut program = made()?;
         let steps = program.steps.iter().flatten();
         let unread: Vec<_> = steps.flat_map(|s| s.unread().map(|f| (s.name.as_str(), f))).collect();
         let bytes = unread.iter().fold(0, |sum: u64, (_, f)| sum.saturating_add(f.len()));
         if !unread.is_empty() && bytes <= most {
             learn(&unread, observer, cancel)?;
-            program = Program::new(graph, nodes, sources);
+            program = made()?;
         }
         let key = |id: &NodeId| {
             let step = program.steps.get(program.find(*id)?)?;
@@ -311,7 +328,7 @@ impl Engine {
         observer: &dyn Observer,
         cancel: &Cancel,
     ) -> Result<Evaluation, EngineError> {
-        let mut plan = self.plan(graph, wants);
+        let mut plan = self.plan_until(graph, wants, cancel)?;
         self.know(graph, wants, &mut plan, observer, cancel)?;
         let guessed = plan.guessed();
         if guessed.is_empty() {
@@ -319,9 +336,10 @@ impl Engine {
         }
         // What others cost hangs on the values of these: they run first, and the next plan finds their results.
         self.admit(&plan)?;
-        let first = self.plan_of(graph, &guessed, plan.program.sources.clone(), Stock::All);
+        let sources = plan.program.sources.clone();
+        let first = self.plan_of(graph, &guessed, (sources.clone(), Stock::All), cancel)?;
         let first = self.evaluate_plan(graph, &guessed, first, Keep::Everything, observer, cancel)?;
-        let plan = self.plan_of(graph, wants, plan.program.sources.clone(), Stock::All);
+        let plan = self.plan_of(graph, wants, (sources, Stock::All), cancel)?;
         let mut evaluation = self.evaluate_plan(graph, wants, plan, self.keep, observer, cancel)?;
         for task in first.tasks {
             let same = |t: &&mut TaskReport| (&t.node, t.stage) == (&task.node, task.stage);
@@ -369,7 +387,7 @@ impl Engine {
                 lost += 1;
                 // Other processes may remove what a plan has found as quickly as it finds it.
                 let stock = if lost >= MOST_LOST { Stock::Memory } else { Stock::All };
-                plan = self.plan_of(graph, wants, plan.program.sources.clone(), stock);
+                plan = self.plan_of(graph, wants, (plan.program.sources.clone(), stock), cancel)?;
                 continue;
             }
             let values = wants.iter().zip(ran.wanted);

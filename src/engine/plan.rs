@@ -14,7 +14,7 @@ use super::key::Key;
 use super::outputs::Outputs;
 use super::planner::Planner;
 use super::program::{Program, Step};
-use crate::node::{Cost, Reach, SECONDS_PER_BYTE, SourceFile};
+use crate::node::{Cancel, Cost, Reach, SECONDS_PER_BYTE, SourceFile};
 use crate::value::Grid;
 
 /// What a task does.
@@ -149,17 +149,19 @@ pub struct PlannedTask {
 }
 
 impl Plan {
-    /// The plan for some outputs of steps on grids; `lasting` where more of the same will be asked for.
+    /// The plan for some outputs of steps on grids; `lasting` where more of the same will be asked for. Nothing when it is
+    /// cancelled.
     pub(super) fn new(
         program: Arc<Program>,
         wants: &[Result<(usize, &'static str, Grid), SharedFailure>],
         (store, stock): (&Store, Stock),
         lasting: bool,
-    ) -> Self {
-        let (mut tasks, wanted, cut_bytes) = Planner::new(&program, store, stock).plan(wants);
+        cancel: &Cancel,
+    ) -> Option<Self> {
+        let (mut tasks, wanted, cut_bytes) = Planner::new(&program, store, stock).plan(wants, cancel)?;
         let shelf_bytes = if lasting { account::mark_lasting(&mut tasks) } else { 0 };
         let peak = account::peak(&tasks, &wanted, shelf_bytes, cut_bytes);
-        Self { program, tasks, wanted, peak, shelf_bytes }
+        Some(Self { program, tasks, wanted, peak, shelf_bytes })
     }
 
     /// Estimated peak of memory when run in order, in bytes; files count in the tasks that read them.

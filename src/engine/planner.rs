@@ -8,7 +8,7 @@ use super::key::Key;
 use super::outputs::Outputs;
 use super::plan::{Role, Stage, Task, Wanted};
 use super::program::{Input, Program, Step};
-use crate::node::Reach;
+use crate::node::{Cancel, Reach};
 use crate::ports::Wires;
 use crate::value::{Grid, Terrain};
 
@@ -58,19 +58,23 @@ impl<'a> Planner<'a> {
     }
 
     /// The tasks in the order in which they run, for each want its task, and the bytes that cutting the wanted windows out
-    /// of what was computed takes.
+    /// of what was computed takes. Nothing when it is cancelled.
     pub(super) fn plan(
         mut self,
         wants: &[Result<(usize, &'static str, Grid), SharedFailure>],
-    ) -> (Vec<Task>, Vec<Wanted>, u64) {
+        cancel: &Cancel,
+    ) -> Option<(Vec<Task>, Vec<Wanted>, u64)> {
         let program = self.program;
         for (step, from, grid) in wants.iter().flatten() {
             self.ask(*step, from, *grid);
         }
         for step in (0..program.steps.len()).rev() {
+            if cancel.is_cancelled() {
+                return None;
+            }
             self.visit(step);
         }
-        let (tasks, results) = self.number();
+        let (tasks, results) = self.number(cancel)?;
         let mut cut_bytes = 0;
         let mut find = |(step, from, grid): (usize, &str, Grid)| match &program.steps[step] {
             Ok(s) => {
@@ -87,7 +91,7 @@ impl<'a> Planner<'a> {
             Err(failure) => Err(failure.clone()),
         };
         let wanted = wants.iter().map(|w| w.clone().and_then(&mut find)).collect();
-        (tasks, wanted, cut_bytes)
+        Some((tasks, wanted, cut_bytes))
     }
 
     fn ask(&mut self, step: usize, from: &str, grid: Grid) {
@@ -207,14 +211,17 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// Turns drafts into tasks in the order of the steps, sources first.
-    fn number(self) -> (Vec<Task>, Results) {
+    /// Turns drafts into tasks in the order of the steps, sources first; nothing when it is cancelled.
+    fn number(self, cancel: &Cancel) -> Option<(Vec<Task>, Results)> {
         let Self { program, mut drafts, base, .. } = self;
         drafts.sort_by_key(|d| (d.step, d.stage));
         let mut results = Results::default();
         let mut tasks: Vec<Task> = Vec::with_capacity(drafts.len());
         let mut foretold = Foretold::new(program);
         for draft in drafts {
+            if cancel.is_cancelled() {
+                return None;
+            }
             let Draft { step, stage, grid, read, key, found, asks } = draft;
             // Windows that are wider than what was asked for are cut, into memory of their own.
             let mut cut_bytes = 0;
@@ -259,7 +266,7 @@ impl<'a> Planner<'a> {
                 lasting: false,
             });
         }
-        (tasks, results)
+        Some((tasks, results))
     }
 }
 

@@ -7,7 +7,7 @@ use super::error::{Failure, SharedFailure};
 use super::key::{Key, Parts};
 use super::sources::Sources;
 use crate::graph::{Graph, NodeId, Place, Problem};
-use crate::node::{AnyNode, Cost, Error, FileRequest, Kind, Reach, SourceFile};
+use crate::node::{AnyNode, Cancel, Cost, Error, FileRequest, Kind, Reach, SourceFile};
 use crate::value::{Grid, Terrain};
 
 /// The parsed part of a graph that some wanted nodes need.
@@ -65,12 +65,20 @@ impl Step {
 }
 
 impl Program {
-    /// Parses what some nodes need. No content of a file is read.
-    pub(super) fn new(graph: &Graph, wanted: &[NodeId], sources: Arc<Sources>) -> Self {
+    /// Parses what some nodes need; nothing when it is cancelled. No content of a file is read.
+    pub(super) fn new(
+        graph: &Graph,
+        wanted: &[NodeId],
+        sources: Arc<Sources>,
+        cancel: &Cancel,
+    ) -> Option<Self> {
         let terrain = graph.terrain().clone();
         let mut program = Self { terrain, sources, steps: Vec::new(), index: BTreeMap::new() };
         let (order, cyclic) = upstream(graph, wanted);
         for id in order {
+            if cancel.is_cancelled() {
+                return None;
+            }
             let step = if cyclic.contains(&id) {
                 let message = format!("node `{}` is part of a cycle", graph.node(id).name);
                 Err(Arc::new(Failure::Graph(message)))
@@ -80,7 +88,7 @@ impl Program {
             program.index.insert(id, program.steps.len());
             program.steps.push(step);
         }
-        program
+        Some(program)
     }
 
     /// The grid on which a step gives its result when it is asked for on another: a gridless one has none.

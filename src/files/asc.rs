@@ -21,6 +21,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["asc"],
     magic: &[],
     companions: &["prj"],
+    claims_early: true,
     claim,
     read,
     reads: "Esri ASCII grid: corner or centre, `cellsize` or `dx` and `dy`, decimal points or commas, comments; `null`, \
@@ -82,11 +83,11 @@ fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let mut data = room(cols * rows)?;
     numbers(input, at, header.nodata, &mut data, cols * rows)?;
     let mut origin = Origin::new(&CODEC, "text");
-    origin.nodata = header.nodata.or(input.reading.nodata);
+    origin.nodata = header.nodata;
     strike(&mut data, input.reading.nodata);
     let system = world::system(input, &mut origin.notes);
     let placement = header.placement([cols, rows], system);
-    let unit = wkt::metres_of_heights(system.as_ref());
+    let unit = wkt::metres_of_heights(system.as_ref(), &mut origin.notes);
     let mut file = HeightFile { cols, rows, data, metres: true, placement, origin };
     file.scale(unit, 0.0);
     Ok(file)
@@ -317,7 +318,11 @@ fn append_row(row: &[f32], nodata: f64, out: &mut Vec<u8>) {
 /// A place that is read as it was meant, since an `.asc` names no unit, and what of the sheet's own is lost.
 fn readable(sheet: &Sheet<'_>) -> (Placement, Option<String>) {
     let own = sheet.placement;
-    let Some(a) = own.affine else { return (own, None) };
+    let Some(a) = own.affine else {
+        let lost =
+            "how far apart its samples are is not known: an .asc must have a cell, and one of 1 is written";
+        return (own, own.cell.is_none().then(|| lost.into()));
+    };
     let system = own.epsg.map(|epsg| format!("EPSG:{epsg}"));
     let system = system.unwrap_or_else(|| "its own system".into());
     let read_as = Units::guess(&a, [sheet.cols, sheet.rows]);
@@ -341,9 +346,11 @@ fn readable(sheet: &Sheet<'_>) -> (Placement, Option<String>) {
         Units::Degrees | Units::WebMercator => {
             let step = own.cell.unwrap_or([1.0; 2]);
             let affine = Affine::upright([0.0, step[1] * (sheet.rows - 1) as f64], step);
-            let lost = format!(
-                "an .asc names no system: the cell is written in metres on the ground, and the place in {system} is lost"
-            );
+            let written = match own.cell {
+                Some(_) => "the cell is written in metres on the ground",
+                None => "how far apart its samples are is not known, a cell of 1 is written",
+            };
+            let lost = format!("an .asc names no system: {written}, and the place in {system} is lost");
             (Placement { affine: Some(affine), ..own }, Some(lost))
         }
     }

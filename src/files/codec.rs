@@ -30,6 +30,8 @@ pub struct Codec {
     pub(super) magic: &'static [&'static [u8]],
     /// Extensions of the files beside it that are read as well, where they are there: `json` is the sidecar's.
     pub companions: &'static [&'static str],
+    /// Whether the size shows in the header or the length alone; else the claim goes through the whole content.
+    pub claims_early: bool,
     /// What the header says the content takes, before memory is taken for it.
     pub(super) claim: fn(&Input<'_>) -> Result<Claim, Fault>,
     /// Reads the heights. The claim has been checked.

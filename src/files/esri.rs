@@ -14,6 +14,7 @@ pub(super) static FLT: Codec = Codec {
     extensions: &["flt"],
     magic: &[],
     companions: &["hdr", "prj"],
+    claims_early: true,
     claim: |input| claim(input, &FLT),
     read: |input| read(input, &FLT),
     reads: "32-bit floats, described by a `.hdr` beside them",
@@ -25,13 +26,14 @@ pub(super) static BIL: Codec = Codec {
     name: "Esri band file",
     extensions: &["bil", "bip", "bsq"],
     magic: &[],
-    companions: &["hdr", "prj", "blw"],
+    companions: &["hdr", "prj", "blw", "bilw", "bpw", "bqw"],
+    claims_early: true,
     claim: |input| claim(input, &BIL),
     read: |input| read(input, &BIL),
     reads: "u8 i8 u16 i16 u32 i32 f32 f64 in either byte order, described by a `.hdr` beside them: bands, layout, bytes \
             to skip; of several bands the first, or the one whose number `channel` gives",
     metres: "yes; the unit that a `.prj` gives heights is applied",
-    place: "from `.hdr`; EPSG code and unit from `.prj`",
+    place: "from `.hdr`, or else `.blw`, `.bpw` or `.bqw`; EPSG code and unit from `.prj`",
 };
 
 /// The words for the number that marks voids.
@@ -209,15 +211,20 @@ fn read(input: &Input<'_>, codec: &'static Codec) -> Result<HeightFile, Fault> {
     strike(&mut data, input.reading.nodata);
     let (cols, rows) = (flat.cols as usize, flat.rows as usize);
     let mut origin = Origin::new(codec, flat.number.name());
-    origin.nodata = nodata.or(input.reading.nodata);
+    origin.nodata = nodata;
     origin.bands = bands as usize;
     origin.notes.extend(header.note_of_sign(flat.number));
     if bands > 1 {
         origin.notes.push(format!("{bands} bands, of which number {} is read", band + 1));
     }
     let system = world::system(input, &mut origin.notes);
-    let placement = header.placement([cols, rows], system);
-    let unit = wkt::metres_of_heights(system.as_ref());
+    let mut placement = header.placement([cols, rows], system);
+    if placement.affine.is_none()
+        && let Some(affine) = world::beside(input, &mut origin.notes)
+    {
+        placement = world::placed(affine, Anchor::Area, system, [cols, rows]);
+    }
+    let unit = wkt::metres_of_heights(system.as_ref(), &mut origin.notes);
     let mut file = HeightFile { cols, rows, data, metres: true, placement, origin };
     file.scale(unit, 0.0);
     Ok(file)

@@ -102,11 +102,22 @@ pub struct Origin {
     pub bands: usize,
     /// What a person should know about the reading.
     pub notes: Vec<String>,
+    /// Whether the rows of the file, as other programs count them, were turned upside down.
+    pub(super) turned: bool,
 }
 
 impl Origin {
     pub(super) fn new(format: &'static Codec, sample: &'static str) -> Self {
-        Self { format, sample, plain: true, range: None, nodata: None, bands: 1, notes: Vec::new() }
+        Self {
+            format,
+            sample,
+            plain: true,
+            range: None,
+            nodata: None,
+            bands: 1,
+            notes: Vec::new(),
+            turned: false,
+        }
     }
 }
 

@@ -6,13 +6,13 @@ use super::flat::{Flat, Number, height};
 use super::height::{HeightFile, Origin};
 use super::input::{Claim, Input};
 use super::place::{Affine, Anchor, Placement, Units};
-use super::voids::strike;
 
 pub(super) static CODEC: Codec = Codec {
     name: "SRTM .hgt",
     extensions: &["hgt"],
     magic: &[],
     companions: &[],
+    claims_early: true,
     claim,
     read,
     reads: "SRTM tile, big-endian: a square of any size, or the narrower tiles of high latitudes (1801 x 3601, 601 x 1201 \
@@ -74,8 +74,7 @@ fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
             Placement::default()
         }
     };
-    let mut data = Flat::packed(size, Number::I16, true, 0).read(input, height(Some(VOID)))?;
-    strike(&mut data, input.reading.nodata);
+    let data = Flat::packed(size, Number::I16, true, 0).read(input, height(Some(VOID)))?;
     Ok(HeightFile { cols, rows, data, metres: true, placement, origin })
 }
 

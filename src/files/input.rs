@@ -7,7 +7,7 @@ use super::codec::{Codec, LONGEST_MAGIC};
 use super::error::{Fault, ReadError};
 use super::height::{HeightFile, Limits};
 use super::pam;
-use super::place::Units;
+use super::place::{FARTHEST_NORTH, Units};
 use super::reading::Reading;
 use super::sidecar::Sidecar;
 use super::suspect::suspects;
@@ -100,8 +100,11 @@ impl<'a> Input<'a> {
     /// # Errors
     /// Those of [`read`](Self::read) that show before the first sample.
     pub fn claim(&self) -> Result<Claim, ReadError> {
-        let claim = || (self.codec()?.claim)(self);
-        claim().map_err(|fault| fault.of(self.name))
+        let claim = || {
+            let claim = (self.codec()?.claim)(self)?;
+            Ok(Claim { bytes: claim.bytes.saturating_add(pam::bytes(self, &claim)), ..claim })
+        };
+        claim().map_err(|fault: Fault| fault.of(self.name))
     }
 
     /// Reads the heights.
@@ -126,12 +129,12 @@ impl<'a> Input<'a> {
         (codec.claim)(self)?;
         let mut file = (codec.read)(self)?;
         self.watch.go_on()?;
-        // Those readers that scale have done so before; for others it changes nothing.
-        if file.origin.nodata.is_none() {
+        // A person's number is the one that the file holds: readers that scale have struck it before they did.
+        if file.origin.plain {
             strike(&mut file.data, self.reading.nodata);
-            file.origin.nodata = self.reading.nodata;
         }
-        pam::apply(self, &mut file);
+        // Until here `nodata` is the word of the file alone: what a person says stands beside that of an `.aux.xml`.
+        pam::apply(self, &mut file)?;
         on_the_globe(&mut file);
         // One rule for all formats, on the numbers as they are kept: what is read once reads the same again.
         let is_height = |v: &f32| v.abs() <= FARTHEST;
@@ -144,6 +147,7 @@ impl<'a> Input<'a> {
             let notes = suspects(&file.data, file.metres).into_iter().map(|s| s.note(plain));
             file.origin.notes.extend(notes);
         }
+        file.origin.nodata = file.origin.nodata.or(self.reading.nodata);
         Ok(file)
     }
 }
@@ -153,12 +157,16 @@ fn on_the_globe(file: &mut HeightFile) {
     let HeightFile { cols, rows, ref mut placement, ref mut origin, .. } = *file;
     let Some(affine) = placement.affine.filter(|_| placement.units == Units::Degrees) else { return };
     let ends = [0.0, cols as f64].into_iter().flat_map(|i| [0.0, rows as f64].map(|j| affine.at(i, j)));
-    let Some([x, y]) = ends.into_iter().find(|[x, y]| x.abs() > 541.0 || y.abs() > 91.0) else { return };
+    let is_off = |[x, y]: &[f64; 2]| x.abs() > FARTHEST_EAST || y.abs() > FARTHEST_NORTH;
+    let Some([x, y]) = ends.into_iter().find(is_off) else { return };
     placement.cell = None;
     origin.notes.push(format!(
         "its system counts in degrees, and {x}, {y} is no place on the globe: how far apart its samples are is not known"
     ));
 }
 
+/// The farthest longitude that a file may have, in degrees: one that counts from 0 to 360 and goes on over the antimeridian
+/// by half the globe, with a degree for the cell around the last sample.
+const FARTHEST_EAST: f64 = 360.0 + 180.0 + 1.0;
 /// Numbers beyond it mark voids in many files; no height is near it.
 const FARTHEST: f32 = 1e30;

@@ -1,13 +1,15 @@
 //! What GDAL writes beside a file that cannot say it: `NAME.aux.xml`, of which void, scale, offset and unit of a band
-//! are read, and a mask `NAME.msk`, which is not read.
+//! are read, and a mask `NAME.msk`, a TIFF that is 0 where there is nothing.
 
 use quick_xml::Reader;
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 
 use super::epsg;
+use super::error::Fault;
 use super::height::HeightFile;
-use super::input::Input;
+use super::input::{Claim, Input};
+use super::tiff::{mask_bytes, strike_mask};
 use super::voids::strike;
 
 /// Extensions behind the whole name of a file.
@@ -22,35 +24,37 @@ struct Band {
     unit: String,
 }
 
+/// Bytes that reading what stands beside a file takes.
+pub(super) fn bytes(input: &Input<'_>, claim: &Claim) -> u64 {
+    input.companion("msk").map_or(0, |_| mask_bytes(claim.cols.saturating_mul(claim.rows)))
+}
+
 /// Gives a file what stands beside it in the ways of GDAL, and says what is not read.
-pub(super) fn apply(input: &Input<'_>, file: &mut HeightFile) {
-    if input.companion("msk").is_some() {
-        let note = "a mask of GDAL, `.msk`, stands beside it and is not read: its voids are not known";
-        file.origin.notes.push(note.into());
+///
+/// # Errors
+/// When the work is cancelled, or there is no memory. What is wrong with the files beside it is a note.
+pub(super) fn apply(input: &Input<'_>, file: &mut HeightFile) -> Result<(), Fault> {
+    if let Some(mask) = input.companion("msk") {
+        apply_mask(mask, input, file)?;
     }
-    let Some(xml) = input.companion("aux.xml") else { return };
+    let Some(xml) = input.companion("aux.xml") else { return Ok(()) };
     let number = input.reading.channel.as_deref().and_then(|c| c.parse().ok()).unwrap_or(1);
     let Some(band) = Band::parse(&String::from_utf8_lossy(xml), number) else {
         file.origin.notes.push("the `.aux.xml` beside it is not understood".into());
-        return;
+        return Ok(());
     };
-    let unit = epsg::metres_of_word(&band.unit);
-    if unit.is_none() && !band.unit.is_empty() {
-        let word = &band.unit;
-        let note =
-            format!("the unit of the `.aux.xml` beside it, \"{word}\", is not known: it is taken for metres");
-        file.origin.notes.push(note);
-    }
+    let unit = epsg::unit_of("the `.aux.xml` beside it", &band.unit, &mut file.origin.notes);
     let nodata = band.nodata.filter(|_| file.origin.nodata.is_none());
     let (factor, summand) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
     let scales = (factor, summand, unit.unwrap_or(1.0)) != (1.0, 0.0, 1.0);
-    // The word of the file itself goes first, and its numbers are no longer those that the other one speaks of.
+    // The `.aux.xml` speaks of the numbers as the file holds them. Once a scale of the file's own was applied to them,
+    // neither a nodata value nor another scale fits what is left.
     if !file.origin.plain {
         if scales || nodata.is_some() {
             let note = "scale, unit and nodata of the `.aux.xml` beside it are not read: the file has a scale of its own";
             file.origin.notes.push(note.into());
         }
-        return;
+        return Ok(());
     }
     if let Some(code) = nodata {
         strike(&mut file.data, nodata);
@@ -60,6 +64,28 @@ pub(super) fn apply(input: &Input<'_>, file: &mut HeightFile) {
     let metres = unit.unwrap_or(1.0);
     file.scale(factor * metres, summand * metres);
     file.metres |= scales || unit.is_some();
+    Ok(())
+}
+
+/// Makes voids where a mask beside a file is 0.
+fn apply_mask(mask: &[u8], input: &Input<'_>, file: &mut HeightFile) -> Result<(), Fault> {
+    // A mask has the rows in the order of the file.
+    if file.origin.turned {
+        file.flip();
+    }
+    let struck = strike_mask(&mask, input, file);
+    if file.origin.turned {
+        file.flip();
+    }
+    let note = match struck {
+        Ok(()) => "a mask beside it, `.msk`, says where it is void".into(),
+        Err(fault @ (Fault::Cancelled | Fault::NoMemory { .. })) => return Err(fault),
+        Err(fault) => {
+            format!("the mask beside it, `.msk`, is not read, and its voids are not known: {fault}")
+        }
+    };
+    file.origin.notes.push(note);
+    Ok(())
 }
 
 impl Band {

@@ -12,6 +12,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["pfm"],
     magic: &[b"Pf\n", b"Pf\r", b"Pf ", b"PF\n", b"PF\r", b"PF "],
     companions: &["json"],
+    claims_early: true,
     claim,
     read,
     reads: "portable float map, grey, either byte order; in colours the one that `channel` names (`R`, `G`, `B`)",

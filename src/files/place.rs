@@ -128,6 +128,9 @@ impl Placement {
     }
 }
 
+/// The farthest latitude that a file may have, in degrees: the pole, with a degree for the cell around the last sample.
+pub(super) const FARTHEST_NORTH: f64 = 90.0 + 1.0;
+
 impl Units {
     /// The units of an EPSG code, where the code alone tells.
     pub(super) fn of_epsg(epsg: u32) -> Option<Self> {
@@ -142,7 +145,8 @@ impl Units {
     /// unit, as no height model in metres does.
     pub(super) fn guess(affine: &Affine, size: [usize; 2]) -> Self {
         let far = affine.at(size[0] as f64, size[1] as f64);
-        let on_globe = |p: [f64; 2]| p[0].abs() <= 361.0 && p[1].abs() <= 91.0;
+        // Longitudes go from -180 to 180 or from 0 to 360, with a degree for the cell around the last sample.
+        let on_globe = |p: [f64; 2]| p[0].abs() <= 361.0 && p[1].abs() <= FARTHEST_NORTH;
         let small = affine.col[0].abs() < 0.1 && affine.row[1].abs() < 0.1;
         if small && on_globe(affine.origin) && on_globe(far) { Self::Degrees } else { Self::Length(1.0) }
     }

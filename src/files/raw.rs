@@ -16,6 +16,7 @@ pub(super) static CODEC16: Codec = Codec {
     extensions: &["r16", "raw"],
     magic: &[],
     companions: &["json"],
+    claims_early: true,
     claim: |input| claim(input, RawSample::U16),
     read: |input| read(input, &CODEC16, RawSample::U16),
     reads: "samples without a header: 16-bit integers, little-endian, unless `sample`, `byte_order` and `cols` of a sidecar \
@@ -29,6 +30,7 @@ pub(super) static CODEC32: Codec = Codec {
     extensions: &["r32"],
     magic: &[],
     companions: &["json"],
+    claims_early: true,
     claim: |input| claim(input, RawSample::F32),
     read: |input| read(input, &CODEC32, RawSample::F32),
     reads: "the same, of 32-bit floats",
@@ -191,11 +193,8 @@ fn is_foreign(input: &Input<'_>, sidecar: &Sidecar, sample: RawSample) -> bool {
 
 /// What to say of a length that is no square, and which samples would make it one.
 fn no_square(found: u64, width: u64, sidecar: &Sidecar) -> String {
-    let square = |w: &&RawSample| {
-        let w = w.bytes();
-        w != width && found > 0 && (found / w).isqrt().pow(2) * w == found
-    };
-    let other = RawSample::ALL.iter().find(square);
+    let fits = |s: &&RawSample| s.bytes() != width && square(found, s.bytes()).is_some();
+    let other = RawSample::ALL.iter().find(fits);
     let hint = other.map(|s| format!("; as `sample` {} they would be a square", s.name()));
     let note = sidecar.note.as_ref().map(|note| format!("; {note}"));
     let more = [hint, note].map(Option::unwrap_or_default).concat();

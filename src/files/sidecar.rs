@@ -162,21 +162,16 @@ impl Sidecar {
     /// Metres of the unit of the values, with a note where they are not metres.
     fn unit(&self, notes: &mut Vec<String>) -> f64 {
         let unit = &self.unit;
-        match epsg::metres_of_word(unit) {
-            Some(1.0) => 1.0,
-            Some(metres) => {
-                notes.push(format!("the sidecar gives heights in \"{unit}\": they are {metres} m each"));
-                metres
-            }
-            // What we wrote ourselves may be shares or degrees.
-            None if unit.is_empty() || self.orograph.is_some() => 1.0,
-            None => {
-                notes.push(format!(
-                    "the unit of the sidecar, \"{unit}\", is not known: it is taken for metres"
-                ));
-                1.0
-            }
+        let mut unknown = Vec::new();
+        let metres = epsg::unit_of("the sidecar", unit, &mut unknown);
+        if let Some(metres) = metres.filter(|m| *m != 1.0) {
+            notes.push(format!("the sidecar gives heights in \"{unit}\": they are {metres} m each"));
         }
+        // A sidecar of our own may give shares or degrees, which are no length and nothing to warn of.
+        if self.orograph.is_none() {
+            notes.extend(unknown);
+        }
+        metres.unwrap_or(1.0)
     }
 
     /// Gives a file that was read what the sidecar and a person know: its voids, the values of its integers, its
@@ -194,9 +189,10 @@ impl Sidecar {
             ));
         }
         let believed = !other_size || self.orograph.is_some();
-        for code in [self.nodata.filter(|_| believed), reading.nodata] {
+        let nodata = self.nodata.filter(|_| believed);
+        file.origin.nodata = nodata.or(file.origin.nodata);
+        for code in [nodata, reading.nodata] {
             strike(&mut file.data, code);
-            file.origin.nodata = code.or(file.origin.nodata);
         }
         if !believed {
             return;
@@ -214,6 +210,7 @@ impl Sidecar {
         }
         if self.rows_from == Side::South {
             file.flip();
+            file.origin.turned = true;
         }
         if let Some(step) = self.steps().filter(|_| !other_size) {
             file.placement = match self.geo {

@@ -12,6 +12,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["ter"],
     magic: &[b"TERRAGENTERRAIN "],
     companions: &[],
+    claims_early: true,
     claim,
     read,
     reads: "Terragen terrain: `SIZE`, `XPTS`, `YPTS`, `SCAL`, `CRAD`, `CRVM`, `ALTW`; rows from the south",
@@ -92,7 +93,11 @@ fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
 
 fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let Header { flat, unit: [x, y, up], height_scale, base } = Header::of(input)?;
-    let of = |v: f64| ((base + v * height_scale / 65536.0) * up) as f32;
+    // A person's mark of voids is a number of the file, before it is scaled.
+    let of = |v: f64| match input.reading.nodata {
+        Some(code) if v == code => f32::NAN,
+        _ => ((base + v * height_scale / 65536.0) * up) as f32,
+    };
     let data = flat.read(input, of)?;
     let (cols, rows) = (flat.cols as usize, flat.rows as usize);
     let mut origin = Origin::new(&CODEC, "i16");

@@ -164,9 +164,18 @@ fn code_of_name(name: &str) -> Option<u32> {
     }
 }
 
-/// Metres of a unit of heights, where a system has one that is not the metre.
-pub(super) fn metres_of_heights(system: Option<&System>) -> f64 {
-    system.and_then(|s| s.heights.or_else(|| s.epsg.and_then(epsg::vertical))).unwrap_or(1.0)
+/// Metres of a unit of heights, with a note where it is below zero; the metre where a system does not say.
+pub(super) fn metres_of_heights(system: Option<&System>, notes: &mut Vec<String>) -> f64 {
+    unit_of_heights(system, notes).unwrap_or(1.0)
+}
+
+/// The same, and nothing where a system does not say.
+pub(super) fn unit_of_heights(system: Option<&System>, notes: &mut Vec<String>) -> Option<f64> {
+    let unit = system.and_then(|s| s.heights.or_else(|| s.epsg.and_then(epsg::vertical)))?;
+    if unit < 0.0 {
+        notes.push(epsg::note_of_depths("the vertical system of the .prj beside it"));
+    }
+    Some(unit)
 }
 
 #[cfg(test)]

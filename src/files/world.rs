@@ -20,15 +20,21 @@ pub(super) fn system(input: &Input<'_>, notes: &mut Vec<String>) -> Option<Syste
 
 /// The place that a world file and a `.prj` give, for files that have none of their own.
 pub(super) fn placement(input: &Input<'_>, size: [usize; 2], notes: &mut Vec<String>) -> Placement {
-    let worlds = ["tfw", "tifw", "pgw", "pngw", "wld", "blw", "bilw"];
-    let Some(text) = worlds.iter().find_map(|w| text(input, w)) else { return Placement::default() };
-    match affine(&text) {
+    match beside(input, notes) {
         Some(affine) => placed(affine, Anchor::Area, system(input, notes), size),
-        None => {
-            notes.push("the world file beside it is not six numbers".into());
-            Placement::default()
-        }
+        None => Placement::default(),
     }
+}
+
+/// The map from samples to coordinates that a world file gives, whatever the system.
+pub(super) fn beside(input: &Input<'_>, notes: &mut Vec<String>) -> Option<Affine> {
+    let worlds = ["tfw", "tifw", "pgw", "pngw", "wld", "blw", "bilw", "bpw", "bqw"];
+    let text = worlds.iter().find_map(|w| text(input, w))?;
+    let affine = affine(&text);
+    if affine.is_none() {
+        notes.push("the world file beside it is not six numbers".into());
+    }
+    affine
 }
 
 /// A placement of coordinates in a system, where there is one.

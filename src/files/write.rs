@@ -189,7 +189,7 @@ pub fn encode_file(
 /// What a file of a format cannot say of a place, as a sentence. A sidecar holds places in metres of a system with a
 /// code; `kept` is whether this is one.
 fn lost_place(placement: &Placement, format: Format, kept: bool) -> Option<String> {
-    // Those hold coordinates of their own.
+    // TIFF and Esri's text have places of their own for coordinates; what they lose of them their writers say.
     if kept || matches!(format, Format::Tiff | Format::Tiff16 | Format::Asc) {
         return None;
     }

@@ -2,7 +2,7 @@
 
 use super::codec::Codec;
 use super::error::Fault;
-use super::height::{HeightFile, Origin, room};
+use super::height::{HeightFile, Origin, filled};
 use super::input::{Claim, Input};
 use super::place::{Affine, Anchor};
 use super::voids::strike;
@@ -13,6 +13,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["xyz"],
     magic: &[],
     companions: &["prj"],
+    claims_early: false,
     claim,
     read,
     reads: "lines of x, y, z on a regular grid, in any order, parted by blanks, tabs, commas or semicolons; a line of names \
@@ -196,8 +197,7 @@ fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
 fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let Lattice { west, north, step: [dx, dy], cols, rows } = lattice(input)?;
     let (cols, rows) = (cols as usize, rows as usize);
-    let mut data = room(cols * rows)?;
-    data.resize(cols * rows, f32::NAN);
+    let mut data = filled(cols * rows, f32::NAN, &input.watch)?;
     let (mut again, mut first) = (0u64, None);
     each_point(input, [0.4, 1.0], |line, [x, y, z]| {
         let (u, v) = ((x - west) / dx, (north - y) / dy);
@@ -221,7 +221,7 @@ fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let system = world::system(input, &mut origin.notes);
     let affine = Affine::upright([west, north], [dx, dy]);
     let placement = world::placed(affine, Anchor::Point, system, [cols, rows]);
-    let unit = wkt::metres_of_heights(system.as_ref());
+    let unit = wkt::metres_of_heights(system.as_ref(), &mut origin.notes);
     let mut file = HeightFile { cols, rows, data, metres: true, placement, origin };
     strike(&mut file.data, input.reading.nodata);
     file.scale(unit, 0.0);

@@ -587,6 +587,12 @@ fn options_that_would_be_ignored_are_refused() {
         (words(&["build", &graph, "-o", &out, "--cache-size", "1G"]), "--cache-size is for a cache folder"),
         (words(&["fit", &graph, &asc, "--dry-run", "-o", &other]), "-o is for a graph that is written"),
         (
+            words(&["fit", &graph, &asc, "--dry-run", "--overwrite"]),
+            "--overwrite is for a graph that is written",
+        ),
+        (words(&["fit", &graph, &asc, "--overwrite"]), "--overwrite is for another graph; name it with -o"),
+        (words(&["render", &asc, "-o", &picture, "--threads", "1"]), "--threads is for graphs, which"),
+        (
             words(&["build", &graph, "-o", &out, "--seed", "1", "--set", "terrain.seed=2"]),
             "--seed and --set terrain.seed set the same",
         ),
@@ -732,6 +738,54 @@ fn fitting_knows_the_node_that_names_the_file_as_on_windows() {
     let fitted = run(&["fit", &graph, &heights, "--dry-run", "--cell", "100"]);
     assert_eq!(code(&fitted), 0, "{}", said(&fitted));
     assert!(said(&fitted).contains("terrain.width"), "{}", said(&fitted));
+}
+
+/// The terrain has the size of the file at the cell that is asked for, and so does the file in it.
+#[test]
+fn fitting_by_a_cell_gives_it_to_the_node() {
+    let folder = travelled("");
+    let path = |name: &str| text(&folder.path().join(name));
+    let (graph, heights) = (path("home/a.graph"), path("home/heights/a.asc"));
+    let rows = "1 2 3 4 5 6 7 8 9\n".repeat(9);
+    std::fs::write(&heights, format!("ncols 9\nnrows 9\nxllcenter 0\nyllcenter 0\ncellsize 300\n{rows}"))
+        .unwrap();
+    let middle = json!({ "true_size": { "x": 0, "y": 0, "rotation": 0 } });
+    let fitted = |own: Option<f64>, placement: &Json, args: &[&str]| {
+        let mut set = json!({ "file": "heights/a.asc", "placement": placement });
+        own.into_iter().for_each(|cell| set["cell"] = json!(cell));
+        let nodes = json!({ "dem": { "kind": "import_height", "set": set } });
+        std::fs::write(&graph, json!({ "orograph": 1, "nodes": nodes }).to_string()).unwrap();
+        let ended = run(&[&["fit", &graph, &heights], args].concat());
+        let made: Json = serde_json::from_slice(&std::fs::read(&graph).unwrap()).unwrap();
+        let [width, cell] = [&made["terrain"]["width"], &made["nodes"]["dem"]["set"]["cell"]];
+        (code(&ended), width.as_f64(), cell.as_f64())
+    };
+    for (own, args, width, cell) in [
+        (None, &[][..], 2400.0, None),
+        (None, &["--cell", "100"][..], 800.0, Some(100.0)),
+        (Some(200.0), &[], 1600.0, Some(200.0)),
+        (Some(200.0), &["--cell", "100"], 800.0, Some(100.0)),
+    ] {
+        assert_eq!(fitted(own, &middle, args), (0, Some(width), cell), "{own:?} {args:?}");
+    }
+    // A georeference has the steps of the file, whatever anybody says.
+    assert_eq!(fitted(None, &json!("georeference"), &["--cell", "100"]).0, 2);
+    let refused = said(&run(&["fit", &graph, &heights, "--cell", "100"]));
+    assert!(refused.contains("--cell is for nodes that are stretched"), "{refused}");
+}
+
+/// Factors on heights are taken in one way by all commands: rounded once, and refused where nothing can hold the product.
+#[test]
+fn heights_are_scaled_to_numbers_that_can_be_held() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| text(&folder.path().join(name));
+    let [asc, png, tif] = ["a.asc", "a.png", "b.tif"].map(path);
+    std::fs::write(&asc, "ncols 2\nnrows 2\ncellsize 1\n1e30 2\n3 4\n").unwrap();
+    for args in [&["render", &asc, "-o", &png][..], &["convert", &asc, &tif]] {
+        let ended = run(&[args, &["--height-scale", "1e9"]].concat());
+        assert_eq!(code(&ended), 2, "{args:?}: {}", said(&ended));
+        assert!(said(&ended).contains("too large to be kept"), "{args:?}: {}", said(&ended));
+    }
 }
 
 /// An input that is found in an allowed folder, or by a name of another system, is spared as any other.

@@ -12,6 +12,7 @@ mod pictures;
 mod round_trip;
 mod stop;
 mod table;
+pub(crate) mod tiffs;
 
 use orograph::files::{HeightFile, Limits, WriteJob, Writing, encode, read_height};
 use orograph::value::{Field, Grid, Lattice, Quantity, Terrain, Value};

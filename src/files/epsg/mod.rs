@@ -73,9 +73,9 @@ pub(super) fn names_depth(name: &str) -> bool {
     words.any(|w| w.eq_ignore_ascii_case("depth") || w.eq_ignore_ascii_case("depths"))
 }
 
-/// What a person should know of depths.
+/// What a person should know of depths; `system` is what counts them.
 pub(super) fn note_of_depths(system: &str) -> String {
-    format!("its vertical system, {system}, counts depths downwards: they are turned into heights")
+    format!("{system} counts depths downwards: they are turned into heights")
 }
 
 /// A range of codes of systems, and the code of their unit.
@@ -127,6 +127,15 @@ pub(super) fn metres_of_word(word: &str) -> Option<f64> {
         "fathom" | "fathoms" => 1.8288,
         _ => return None,
     })
+}
+
+/// Metres of the unit that a word names. A word that is not known earns a note: `of` is what the unit is of.
+pub(super) fn unit_of(of: &str, word: &str, notes: &mut Vec<String>) -> Option<f64> {
+    let metres = metres_of_word(word);
+    if metres.is_none() && !word.is_empty() {
+        notes.push(format!("the unit of {of}, \"{word}\", is not known: it is taken for metres"));
+    }
+    metres
 }
 
 #[cfg(test)]
@@ -191,5 +200,11 @@ mod tests {
         assert_eq!(metres_of_word("metre"), Some(1.0));
         assert_eq!(metres_of_word("furlong"), None);
         assert_eq!(metres_of_word(""), None);
+        let mut notes = Vec::new();
+        assert_eq!(unit_of("this", "", &mut notes), None);
+        assert_eq!(unit_of("this", "ft", &mut notes), Some(0.3048));
+        assert!(notes.is_empty(), "{notes:?}");
+        assert_eq!(unit_of("this", "furlong", &mut notes), None);
+        assert_eq!(notes, ["the unit of this, \"furlong\", is not known: it is taken for metres"]);
     }
 }

@@ -125,7 +125,6 @@ fn ambiguous(all: &[Candidate]) -> Fault {
     ))
 }
 
-/// The names of channels, as many as a person reads.
 /// What there is, as a clause.
 fn known(all: &[Candidate]) -> String {
     format!("there {} {}", if all.len() == 1 { "is" } else { "are" }, names(all))
@@ -136,6 +135,7 @@ fn letters(text: &Text) -> String {
     std::str::from_utf8(text.bytes()).map_or_else(|_| text.to_string(), str::to_owned)
 }
 
+/// The names of channels, as many as a person reads.
 fn names(all: &[Candidate]) -> String {
     const SHOWN: usize = 24;
     let mut text: Vec<_> = all.iter().take(SHOWN).map(|c| format!("`{}`", c.pick.name)).collect();

@@ -11,6 +11,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["exr"],
     magic: &[&[0x76, 0x2f, 0x31, 0x01]],
     companions: &["json"],
+    claims_early: true,
     claim: read::claim,
     read: read::read,
     reads: "f16, f32, u32; any compression of the `exr` crate; parts, layers, tiles, the finest of several levels; the \

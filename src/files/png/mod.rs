@@ -13,6 +13,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["png"],
     magic: &[b"\x89PNG"],
     companions: &["json", "pgw", "pngw", "wld", "prj"],
+    claims_early: true,
     claim: read::claim,
     read: read::read,
     reads: "8 and 16 bits, grey; transparent pixels are voids. Tiles of colours: Terrarium (`256 R + G + B / 256 - 32768`, \

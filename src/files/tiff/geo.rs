@@ -162,16 +162,12 @@ pub(super) fn unit_of_heights(
     band: usize,
     notes: &mut Vec<String>,
 ) -> Option<f64> {
-    let word = gdal.unit(band);
-    let by_word = word.and_then(epsg::metres_of_word);
-    if let (Some(word), None) = (word, by_word) {
-        notes.push(format!("the unit of its heights, \"{word}\", is not known: they are taken for metres"));
-    }
+    let by_word = gdal.unit(band).and_then(|word| epsg::unit_of("its heights", word, notes));
     let system = keys.system(key::VERTICAL);
     let by_system = || system.and_then(epsg::vertical);
     let metres = by_word.or_else(|| keys.code(key::VERTICAL_UNITS).and_then(epsg::metres)).or_else(by_system);
     let Some(depths) = keys.depths() else { return metres };
-    notes.push(epsg::note_of_depths(&depths));
+    notes.push(epsg::note_of_depths(&format!("its vertical system, {depths},")));
     Some(-metres.unwrap_or(1.0))
 }
 

@@ -164,8 +164,13 @@ impl Chunks {
         }
         let chunks = Self::of(directory, layout)?;
         let whole = (layout.line() as u64).saturating_mul(layout.chunk[1].min(layout.rows) as u64);
-        let holds = |(offset, count)| {
-            if (offset, count) == LEFT_OUT { whole } else { whole.min(most.saturating_mul(count)) }
+        let holds = |(offset, count): (u64, u64)| {
+            if (offset, count) == LEFT_OUT {
+                return whole;
+            }
+            // A length is a claim as well: no strip goes on behind the end of the file.
+            let there = count.min(bytes.saturating_sub(offset));
+            whole.min(most.saturating_mul(there))
         };
         let all = (0..chunks.offsets.len()).filter_map(|i| chunks.place(directory, i)).map(holds);
         if all.fold(0, u64::saturating_add) < claimed {

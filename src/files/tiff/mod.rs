@@ -15,6 +15,8 @@ mod samples;
 mod unpack;
 mod write;
 
+pub(super) use read::{mask_bytes, strike_mask};
+
 use super::codec::{Codec, Form};
 
 pub(super) static CODEC: Codec = Codec {
@@ -22,6 +24,7 @@ pub(super) static CODEC: Codec = Codec {
     extensions: &["tif", "tiff", "gtiff"],
     magic: &[b"II\x2a\0", b"II\x2b\0", b"MM\0\x2a", b"MM\0\x2b"],
     companions: &["tfw", "tifw", "wld", "prj"],
+    claims_early: true,
     claim: read::claim,
     read: read::read,
     reads: "TIFF, BigTIFF, GeoTIFF: f16 f32 f64, u8 to u64, i8 to i64, packed integers of 1 to 31 bits; strips or tiles; \

@@ -8,10 +8,11 @@ use super::super::input::{Claim, Input};
 use super::super::place::Placement;
 use super::super::voids::strike;
 use super::super::watch::Watch;
-use super::super::world;
+use super::super::{wkt, world};
 use super::ifd::Directory;
 use super::layout::{Chunks, Layout};
 use super::{CODEC, gdal, geo, tag};
+use crate::source::ReadAt;
 
 /// What the first directory claims.
 pub(super) fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
@@ -43,7 +44,6 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
         origin.notes.push(format!("{} bands, of which number {} is read", layout.bands, band + 1));
     }
     picture.clear(input.limits, band, &mut data, &mut origin)?;
-    origin.nodata = origin.nodata.or(input.reading.nodata);
     strike(&mut data, input.reading.nodata);
     let keys = geo::Keys::of(&picture.directory)?;
     let size = [layout.cols, layout.rows];
@@ -54,7 +54,8 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
         if beside.affine.is_some() {
             // The file's own word on the system goes before that of a file beside it.
             placement = Placement { epsg: placement.epsg.or(beside.epsg), ..beside };
-            unit = unit.or_else(|| world::system(input, &mut Vec::new()).and_then(|s| s.heights));
+            let system = world::system(input, &mut Vec::new());
+            unit = unit.or_else(|| wkt::unit_of_heights(system.as_ref(), &mut origin.notes));
         }
     }
     let unit = unit.unwrap_or(1.0);
@@ -68,6 +69,48 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     file.scale(factor, summand);
     north_up(&mut file);
     Ok(file)
+}
+
+/// The most bytes that a mask beside a file of some samples takes: its voids, and strips or tiles of it.
+pub(in super::super) fn mask_bytes(samples: u64) -> u64 {
+    samples.saturating_mul(8).saturating_add(1 << 24)
+}
+
+/// Makes voids of the heights where a picture of the same size, a mask beside their file, is 0.
+pub(in super::super) fn strike_mask(
+    mask: &dyn ReadAt,
+    input: &Input<'_>,
+    file: &mut HeightFile,
+) -> Result<(), Fault> {
+    let directory = Directory::first(mask)?;
+    let layout = Layout::of(&directory, input.limits)?;
+    let (found, want) = ([layout.cols, layout.rows], [file.cols, file.rows]);
+    if found != want {
+        return Err(Fault::Unsupported(format!(
+            "it is {} x {}, the file {} x {}",
+            found[0], found[1], want[0], want[1]
+        )));
+    }
+    let at_once = layout.across()[1].min(rayon::current_num_threads()) as u64;
+    let samples = file.data.len() as u64;
+    if layout.working_bytes().saturating_mul(at_once) > mask_bytes(samples) - 4 * samples {
+        return Err(Fault::unsupported("its strips or tiles are far larger than it"));
+    }
+    let picture = Picture::open(directory, input.limits, input.watch)?;
+    Chunks::plausible(&picture.directory, &picture.layout)?;
+    // GDAL gives each band a mask of its own, or all the first.
+    let band = input.reading.channel.as_deref().and_then(|c| c.parse::<usize>().ok()).unwrap_or(1);
+    let band = if (1..=picture.layout.bands).contains(&band) { band - 1 } else { 0 };
+    // The heights are as they were until the mask was read to its end.
+    let mut clear = filled(file.data.len(), 0.0, &input.watch)?;
+    picture.each(
+        band,
+        &mut clear,
+        |v, o| *o = if v == 0.0 { f32::NAN } else { 0.0 },
+        |out| out.fill(f32::NAN),
+    )?;
+    file.data.par_iter_mut().zip(&clear).filter(|(_, c)| c.is_nan()).for_each(|(v, _)| *v = f32::NAN);
+    Ok(())
 }
 
 /// The band that is read: the first, or the one whose number is asked for.
@@ -96,6 +139,7 @@ fn north_up(file: &mut HeightFile) {
         a.origin = a.at(0.0, (file.rows - 1) as f64);
         a.row[1] = -a.row[1];
         file.flip();
+        file.origin.turned = true;
         file.origin.notes.push("its rows run from south to north; they were turned around".into());
     }
 }

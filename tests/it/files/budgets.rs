@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use super::tiffs::{Entry, tiff};
+
 const SIDE: u32 = 32_768;
 /// Bytes behind a header: enough that the claim is not refused as more than any compression can hold.
 const BALLAST: usize = 1 << 21;
@@ -10,23 +12,20 @@ const BALLAST: usize = 1 << 21;
 /// A TIFF of bytes, 32768 along a side, whose tiles are all left out.
 fn sparse_tiff() -> Vec<u8> {
     let tiles = (SIDE / 512).pow(2);
-    let entries: [(u16, u16, u32, u32); 9] = [
-        (256, 4, 1, SIDE),
-        (257, 4, 1, SIDE),
-        (258, 3, 1, 8),
-        (259, 3, 1, 8),
-        (262, 3, 1, 1),
-        (322, 3, 1, 512),
-        (323, 3, 1, 512),
-        (324, 4, tiles, 1024),
-        (325, 4, tiles, 1024 + 4 * tiles),
-    ];
-    let mut out = b"II*\0\x08\0\0\0".to_vec();
-    out.extend((entries.len() as u16).to_le_bytes());
-    for (tag, kind, count, value) in entries {
-        out.extend([tag.to_le_bytes(), kind.to_le_bytes()].concat());
-        out.extend([count.to_le_bytes(), value.to_le_bytes()].concat());
-    }
+    let mut out = tiff(
+        &[],
+        &[
+            (256, Entry::Long(SIDE)),
+            (257, Entry::Long(SIDE)),
+            (258, Entry::Short(8)),
+            (259, Entry::Short(8)),
+            (262, Entry::Short(1)),
+            (322, Entry::Short(512)),
+            (323, Entry::Short(512)),
+            (324, Entry::Elsewhere(tiles, 1024)),
+            (325, Entry::Elsewhere(tiles, 1024 + 4 * tiles)),
+        ],
+    );
     out.resize(BALLAST, 0);
     out
 }

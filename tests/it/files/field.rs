@@ -6,15 +6,29 @@ use orograph::files::{
     Writing, encode_file, read_height,
 };
 
+use super::tiffs::{self, Entry};
 use crate::cli::{code, run, said, text};
 
-/// Reads a file with what lies beside it.
-fn try_read(name: &str, bytes: &[u8], beside: &[(&str, &[u8])]) -> Result<HeightFile, ReadError> {
+/// Reads a file with what lies beside it, as a person says.
+fn try_read_as(
+    name: &str,
+    bytes: &[u8],
+    beside: &[(&str, &[u8])],
+    reading: &Reading,
+) -> Result<HeightFile, ReadError> {
     let companions: Vec<_> = beside.iter().map(|&(name, bytes)| Companion { name, bytes }).collect();
-    let (reading, limits) = (Reading::default(), Limits::default());
-    let (companions, reading) = (&companions[..], &reading);
-    let input = Input { name, bytes: &bytes, companions, reading, limits: &limits, watch: Watch::default() };
-    input.read()
+    let (limits, companions, watch) = (Limits::default(), &companions[..], Watch::default());
+    Input { name, bytes: &bytes, companions, reading, limits: &limits, watch }.read()
+}
+
+fn try_read(name: &str, bytes: &[u8], beside: &[(&str, &[u8])]) -> Result<HeightFile, ReadError> {
+    try_read_as(name, bytes, beside, &Reading::default())
+}
+
+/// Reads a file of which a person says what marks voids.
+fn read_with_nodata(name: &str, bytes: &[u8], beside: &[(&str, &[u8])], nodata: f64) -> HeightFile {
+    let reading = Reading { nodata: Some(nodata), ..Reading::default() };
+    try_read_as(name, bytes, beside, &reading).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn read(name: &str, bytes: &[u8], beside: &[(&str, &[u8])]) -> HeightFile {
@@ -25,73 +39,10 @@ fn notes(file: &HeightFile) -> String {
     file.origin.notes.join("; ")
 }
 
-/// What stands behind a tag.
-enum Entry<'a> {
-    Short(u16),
-    Shorts(&'a [u16]),
-    Doubles(&'a [f64]),
-    Text(&'a str),
-}
-
-impl Entry<'_> {
-    fn kind(&self) -> u16 {
-        match self {
-            Self::Text(_) => 2,
-            Self::Short(_) | Self::Shorts(_) => 3,
-            Self::Doubles(_) => 12,
-        }
-    }
-
-    /// How many values there are, and their bytes.
-    fn values(&self) -> (u32, Vec<u8>) {
-        match self {
-            Self::Short(v) => (1, v.to_le_bytes().to_vec()),
-            Self::Shorts(all) => (all.len() as u32, all.iter().flat_map(|v| v.to_le_bytes()).collect()),
-            Self::Doubles(all) => (all.len() as u32, all.iter().flat_map(|v| v.to_le_bytes()).collect()),
-            Self::Text(text) => (text.len() as u32 + 1, [text.as_bytes(), b"\0"].concat()),
-        }
-    }
-}
-
 /// A TIFF of floats in one strip that is packed in some way, with more tags.
 fn tiff(side: u16, compression: u16, strip: &[u8], more: &[(u16, Entry<'_>)]) -> Vec<u8> {
-    let mut out = b"II*\0\0\0\0\0".to_vec();
-    let at = out.len() as u32;
-    out.extend(strip);
-    let long = |v: u32| v.to_le_bytes().to_vec();
-    let mut entries = vec![
-        (256, 3, 1, Entry::Short(side).values().1),
-        (257, 3, 1, Entry::Short(side).values().1),
-        (258, 3, 1, Entry::Short(32).values().1),
-        (259, 3, 1, Entry::Short(compression).values().1),
-        (262, 3, 1, Entry::Short(1).values().1),
-        (273, 4, 1, long(at)),
-        (277, 3, 1, Entry::Short(1).values().1),
-        (278, 3, 1, Entry::Short(side).values().1),
-        (279, 4, 1, long(strip.len() as u32)),
-        (339, 3, 1, Entry::Short(3).values().1),
-    ];
-    for (tag, entry) in more {
-        let (count, mut value) = entry.values();
-        if value.len() > 4 {
-            let at = out.len() as u32;
-            out.extend(&value);
-            value = long(at);
-        }
-        entries.push((*tag, entry.kind(), count, value));
-    }
-    entries.sort_by_key(|e| e.0);
-    let directory = out.len() as u32;
-    out[4..8].copy_from_slice(&directory.to_le_bytes());
-    out.extend((entries.len() as u16).to_le_bytes());
-    for (tag, kind, count, mut value) in entries {
-        value.resize(4, 0);
-        out.extend([tag.to_le_bytes(), kind.to_le_bytes()].concat());
-        out.extend(long(count));
-        out.extend(value);
-    }
-    out.extend([0; 4]);
-    out
+    let tags = tiffs::grey([u32::from(side); 2], (32, 3), compression, strip.len() as u32);
+    tiffs::tiff(strip, &[&tags[..], more].concat())
 }
 
 /// A TIFF of plain floats.
@@ -219,7 +170,20 @@ fn depths_are_turned_into_heights() {
     let prj: &[u8] =
         br#"PROJCS["x",UNIT["Meter",1.0]],VERTCS["x",PARAMETER["Direction",-1.0],UNIT["Meter",1.0]]"#;
     let text: &[u8] = b"ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 10\n5 6\n";
-    assert_eq!(read("a.asc", text, &[("a.prj", prj)]).data, [-5.0, -6.0]);
+    let hdr: &[u8] =
+        b"ncols 2\nnrows 1\nnbits 8\npixeltype unsignedint\nxdim 10\nydim 10\nulxmap 0\nulymap 0\n";
+    let world: &[u8] = b"10\n0\n0\n-10\n5\n5\n";
+    let plain = floats(3, |k| k as f32 + 5.0, &[]);
+    for file in [
+        read("a.asc", text, &[("a.prj", prj)]),
+        read("a.bil", &[5, 6], &[("a.hdr", hdr), ("a.prj", prj)]),
+        read("a.xyz", b"0 0 5\n10 0 6\n", &[("a.prj", prj)]),
+        read("a.tif", &plain, &[("a.tfw", world), ("a.prj", prj)]),
+    ] {
+        assert_eq!(file.data[..2], [-5.0, -6.0], "{:?}", file.origin.format);
+        let said = notes(&file);
+        assert_eq!(said.matches("counts depths downwards").count(), 1, "{:?}: {said}", file.origin.format);
+    }
 }
 
 #[test]
@@ -228,12 +192,14 @@ fn numbers_that_look_like_voids_earn_a_note() {
         let bytes = floats(9, |k| if k % 5 == 4 { code } else { 200.0 + 7.0 * k as f32 }, &[]);
         let file = read("a.tif", &bytes, &[]);
         assert!(notes(&file).contains("would make voids"), "{code}: {}", notes(&file));
-        let reading = Reading { nodata: Some(f64::from(code)), ..Reading::default() };
-        let limits = Limits::default();
-        let (name, companions, watch) = ("a.tif", &[][..], Watch::default());
-        let input = Input { name, bytes: &bytes, companions, reading: &reading, limits: &limits, watch };
-        let file = input.read().expect("reads");
+        let file = read_with_nodata("a.tif", &bytes, &[], f64::from(code));
         assert_eq!((file.voids(), notes(&file).as_str()), (16, ""), "{code}");
+        let other = read_with_nodata("a.tif", &bytes, &[], 200.0);
+        assert!(
+            other.voids() == 1 && notes(&other).contains("would make voids"),
+            "{code}: {}",
+            notes(&other)
+        );
     }
     let plain = read("a.tif", &floats(9, |k| 200.0 + 7.0 * k as f32, &[]), &[]);
     assert_eq!(notes(&plain), "");
@@ -286,12 +252,65 @@ fn what_gdal_writes_beside_a_file_is_read_or_named() {
     assert!((file.data[0] - 30.48).abs() < 1e-4, "{}", file.data[0]);
     let broken = read("d/a.tif", &bytes, &[("d/a.tif.aux.xml", b"<a></b>")]);
     assert!(notes(&broken).contains("not understood"), "{}", notes(&broken));
-    let masked = read("d/a.tif", &bytes, &[("d/a.tif.msk", b"II*\0")]);
-    assert!(notes(&masked).contains(".msk"), "{}", notes(&masked));
     for name in ["d/a.wld", "d/a.tifw", "d/a.tfw"] {
         let world: &[u8] = b"30\n0\n0\n-30\n500015\n3999985\n";
         let file = read("d/a.tif", &bytes, &[(name, world)]);
         assert_eq!(file.placement.cell, Some([30.0, 30.0]), "{name}");
+    }
+}
+
+/// A person's number stands beside the one that the file, its sidecar or its `.aux.xml` names, in all formats.
+#[test]
+fn a_number_of_ones_own_marks_voids_as_well() {
+    let bytes = floats(3, |k| [100.0, -9999.0, 0.0][k.min(2)], &[]);
+    let aux: &[u8] = br#"<PAMDataset><PAMRasterBand band="1"><NoDataValue>-9999</NoDataValue></PAMRasterBand></PAMDataset>"#;
+    let file = read_with_nodata("a.tif", &bytes, &[("a.tif.aux.xml", aux)], 0.0);
+    assert_eq!((file.voids(), file.origin.nodata), (8, Some(-9999.0)), "{}", notes(&file));
+    assert!(notes(&file).contains("-9999 marks voids"), "{}", notes(&file));
+    let alone = read_with_nodata("a.tif", &bytes, &[], 0.0);
+    assert_eq!((alone.voids(), alone.origin.nodata), (7, Some(0.0)));
+    let side = br#"{"orograph": 1, "file": "a.png", "nodata": 3}"#;
+    let file = read_with_nodata("a.png", &png(4, |k| k as u16), &[("a.json", side)], 7.0);
+    assert_eq!((file.voids(), file.origin.nodata), (2, Some(3.0)));
+    // The number is that of the file, before any scale, and what is scaled is not struck by it.
+    let mut terragen = b"TERRAGENTERRAIN XPTS\x02\0\0\0YPTS\x01\0\0\0ALTW\0\x08\0\0".to_vec();
+    terragen.extend([5i16, 160].iter().flat_map(|v| v.to_le_bytes()));
+    let all = read("a.ter", &terragen, &[]);
+    assert!((all.data[1] - 150.0).abs() < 1e-3, "{:?}", all.data);
+    let file = read_with_nodata("a.ter", &terragen, &[], 5.0);
+    assert!(file.data[0].is_nan() && file.data[1] == all.data[1], "{:?}", file.data);
+    assert_eq!(read_with_nodata("a.ter", &terragen, &[], 150.0).voids(), 0);
+}
+
+/// A mask of 3 x 3 samples that is 0 in the first row.
+fn mask(bits: u16, strip: &[u8], side: u32) -> Vec<u8> {
+    tiffs::tiff(strip, &tiffs::grey([side; 2], (bits, 1), 1, strip.len() as u32))
+}
+
+#[test]
+fn a_mask_beside_a_file_makes_voids() {
+    let rows = |file: &HeightFile| [0, 3, 6].map(|k| file.data[k].is_nan());
+    let bytes = floats(3, |k| k as f32, &[]);
+    let bytewise = mask(8, &[0, 0, 0, 255, 255, 255, 255, 1, 255], 3);
+    for msk in [&bytewise[..], &mask(1, &[0, 0xe0, 0xe0], 3)] {
+        let file = read("d/a.tif", &bytes, &[("d/a.tif.msk", msk)]);
+        assert_eq!((file.voids(), rows(&file)), (3, [true, false, false]), "{}", notes(&file));
+        assert!(notes(&file).contains("a mask beside it"), "{}", notes(&file));
+    }
+    // The rows of a mask are those of the file, whichever way they run.
+    let south = [(33550, Entry::Doubles(&[10.0, -10.0, 0.0])), (33922, Entry::Doubles(&[0.0; 6]))];
+    let turned = read("a.tif", &floats(3, |k| k as f32, &south), &[("a.tif.msk", &bytewise)]);
+    assert_eq!(rows(&turned), [false, false, true], "{}", notes(&turned));
+    let raw: Vec<u8> = (0..9u16).flat_map(u16::to_le_bytes).collect();
+    assert_eq!(read("a.r16", &raw, &[("a.r16.msk", &bytewise)]).voids(), 3);
+    // What is no such mask is named, and changes nothing.
+    let strip = vec![0; 16];
+    let wide = [tiffs::grey([3; 2], (8, 1), 1, 9), vec![(322, Entry::Long(1 << 30)), (323, Entry::Long(1))]]
+        .concat();
+    let wide = tiffs::tiff(&strip, &[wide, vec![(324, Entry::Long(8)), (325, Entry::Long(9))]].concat());
+    for msk in [&b"II*\0"[..], &mask(8, &strip, 4), &mask(8, &strip[..5], 3), &wide] {
+        let file = read("d/a.tif", &bytes, &[("d/a.tif.msk", msk)]);
+        assert!(file.voids() == 0 && notes(&file).contains("is not read"), "{}", notes(&file));
     }
 }
 
@@ -307,6 +326,20 @@ fn integers_without_a_pixel_type_have_no_sign() {
     assert!(notes(&file).contains("pixeltype"), "{}", notes(&file));
     assert_eq!(with("PIXELTYPE SIGNEDINT\n").data[1], -536.0);
     assert_eq!(with("NODATA -9999\n").data[1], -536.0);
+    for name in ["a.blw", "a.bilw", "a.BLW"] {
+        let world: &[u8] = b"30\n0\n0\n-30\n500015\n3999985\n";
+        let hdr: &[u8] = b"NROWS 2\nNCOLS 2\nNBITS 16\nPIXELTYPE UNSIGNEDINT\n";
+        let file = read("a.bil", &bytes, &[("a.hdr", hdr), (name, world)]);
+        assert_eq!(
+            file.placement.affine,
+            Some(Affine::upright([500_015.0, 3_999_985.0], [30.0; 2])),
+            "{name}"
+        );
+        // The word of the header goes first.
+        let hdr = [hdr, b"XDIM 5\nYDIM 5\nULXMAP 0\nULYMAP 0\n"].concat();
+        let file = read("a.bil", &bytes, &[("a.hdr", &hdr), (name, world)]);
+        assert_eq!(file.placement.cell, Some([5.0; 2]), "{name}");
+    }
     let floats: Vec<u8> = [1f32; 4].iter().flat_map(|v| v.to_le_bytes()).collect();
     let hdr = b"ncols 2\nnrows 2\nxllcorner 500000\nyllcorner 4000000\ndx 10\ndy 20\nbyteorder LSBFIRST\n";
     let file = read("a.flt", &floats, &[("a.hdr", hdr)]);
@@ -320,6 +353,12 @@ fn places_that_cannot_be_are_named() {
     let file = read("a.asc", text, &[("a.prj", prj)]);
     assert_eq!(file.placement.cell, None);
     assert!(notes(&file).contains("no place on the globe"), "{}", notes(&file));
+    // What is written in place of the cell is said to be nothing but that.
+    for unknown in [&file, &read("a.png", &png(4, |k| k as u16), &[])] {
+        let (back, said) = convert(unknown, Format::Asc);
+        assert_eq!(back.placement.cell, Some([1.0; 2]));
+        assert!(said.contains("is not known") && !said.contains("on the ground"), "{said}");
+    }
     let twice = read("a.xyz", b"0 0 100\n10 0 110\n0 10 120\n10 10 130\n0 0 1\n", &[]);
     assert!(notes(&twice).contains("line 5"), "{}", notes(&twice));
     let two = try_read("a.asc", b"ncols 2\nnrows 1\ncellsize 10 20\n1 2\n", &[]).expect_err("two numbers");
@@ -329,16 +368,8 @@ fn places_that_cannot_be_are_named() {
 #[test]
 fn bands_and_channels_are_named_as_they_are() {
     let reading = Reading { channel: Some("7".into()), ..Reading::default() };
-    let (bytes, limits) = (floats(3, |k| k as f32, &[]), Limits::default());
-    let input = Input {
-        name: "a.tif",
-        bytes: &bytes,
-        companions: &[],
-        reading: &reading,
-        limits: &limits,
-        watch: Watch::default(),
-    };
-    let error = input.read().expect_err("there is one").to_string();
+    let bytes = floats(3, |k| k as f32, &[]);
+    let error = try_read_as("a.tif", &bytes, &[], &reading).expect_err("there is one").to_string();
     assert!(error.contains("asks for \"7\"; there is band 1"), "{error}");
 }
 

@@ -4,6 +4,7 @@ use orograph::files::{Codec, Encoding, Fault, Format, Limits, Writing, read_heig
 use orograph::kit::hash;
 use orograph::value::Terrain;
 
+use super::tiffs::{grey, tiff};
 use super::{heights, job, write};
 
 /// A small file of every format, and its sidecar where it has one.
@@ -106,29 +107,9 @@ fn no_shuffled_file_does_harm() {
     }
 }
 
-/// A classic TIFF that says what it likes about its size.
-fn claiming_tiff(cols: u32, rows: u32) -> Vec<u8> {
-    let mut out = b"II*\0\x08\0\0\0".to_vec();
-    let entries: [(u16, u16, u32, u32); 9] = [
-        (256, 4, 1, cols),
-        (257, 4, 1, rows),
-        (258, 3, 1, 16),
-        (259, 3, 1, 8),
-        (262, 3, 1, 1),
-        (273, 4, 1, 8),
-        (277, 3, 1, 1),
-        (278, 4, 1, rows),
-        (279, 4, 1, 8),
-    ];
-    out.extend((entries.len() as u16).to_le_bytes());
-    for (tag, kind, count, value) in entries {
-        out.extend(tag.to_le_bytes());
-        out.extend(kind.to_le_bytes());
-        out.extend(count.to_le_bytes());
-        out.extend(value.to_le_bytes());
-    }
-    out.extend([0; 4]);
-    out
+/// A deflated TIFF that says what it likes about its size and the length of its strip.
+fn claiming_tiff(size: [u32; 2], bits: u16, strip: u32) -> Vec<u8> {
+    tiff(&[0; 8], &grey(size, (bits, 1), 8, strip))
 }
 
 fn claiming_png(cols: u32, rows: u32) -> Vec<u8> {
@@ -158,7 +139,7 @@ fn claiming_exr(cols: i32, rows: i32) -> Vec<u8> {
 fn headers_that_claim_a_million_squared_are_refused() {
     let million = 1_000_000;
     for (name, bytes) in [
-        ("a.tif", claiming_tiff(million, million)),
+        ("a.tif", claiming_tiff([million; 2], 16, 8)),
         ("a.png", claiming_png(million, million)),
         ("a.exr", claiming_exr(1_000_000, 1_000_000)),
         ("a.asc", b"ncols 1000000\nnrows 1000000\n1 2 3".to_vec()),
@@ -173,7 +154,9 @@ fn headers_that_claim_a_million_squared_are_refused() {
 #[test]
 fn headers_that_claim_more_than_the_file_can_hold_are_refused() {
     for (name, bytes) in [
-        ("a.tif", claiming_tiff(30_000, 30_000)),
+        ("a.tif", claiming_tiff([30_000; 2], 16, 8)),
+        ("a.tif", claiming_tiff([30_000; 2], 32, u32::MAX)),
+        ("a.tif", claiming_tiff([30_000; 2], 16, 4 << 20)),
         ("a.png", claiming_png(30_000, 30_000)),
         ("a.exr", claiming_exr(30_000, 30_000)),
     ] {

@@ -284,3 +284,22 @@ fn one_file_serves_different_nodes() {
     assert!(first != second);
     assert!(run(&smooth, &files, &terrain, grid).expect("runs").height == first);
 }
+
+/// Before anybody went through a file, what needs its content is not looked at: `check` of a file without a header is short.
+#[test]
+fn the_content_of_a_file_is_not_read_to_look_at_it() {
+    let look = |name: &str, bytes: &[u8], known: bool| {
+        let place = Box::new(bytes.to_vec());
+        let file = SourceFile::at(name.into(), bytes.len() as u64, place, Arc::default());
+        if known {
+            file.hash(&Cancel::default(), &|_| ()).expect("in memory");
+        }
+        ImportHeight { file: FilePath(name.into()), ..ImportHeight::default() }.reading(&[Arc::new(file)])
+    };
+    let (good, bad) = (&b"0 0 1\n1 0 2\n0 1 3\n1 1 4\n"[..], &b"0 0 1\n1 0 x\n"[..]);
+    assert!(look("a.xyz", bad, false).is_ok());
+    assert!(look("a.xyz", bad, true).is_err());
+    let [early, late] = [false, true].map(|known| look("a.xyz", good, known).expect("fine").bytes);
+    assert!(late > early, "{late} bytes, not more than {early}");
+    assert!(look("a.asc", bad, false).is_err());
+}

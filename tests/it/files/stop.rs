@@ -5,6 +5,12 @@
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use orograph::engine::{Engine, EngineError, Files, Options, Want};
+use orograph::graph::Graph;
+use orograph::node::Cancel;
+use orograph::nodes::Registry;
+
+use super::tiffs::{grey, tiff};
 use crate::cli::{code, orograph, run, said, text};
 
 /// How long the end may take: far more than it does, on a machine that is busy, and far less than the work.
@@ -16,29 +22,7 @@ fn one_strip(side: u32) -> Vec<u8> {
     let line = vec![0; side as usize * 4];
     (0..side).for_each(|_| std::io::Write::write_all(&mut deflate, &line).expect("into memory"));
     let strip = deflate.finish().expect("into memory");
-    let mut out = b"II*\0\0\0\0\0".to_vec();
-    out.extend(&strip);
-    let directory = out.len() as u32;
-    out[4..8].copy_from_slice(&directory.to_le_bytes());
-    let entries: [(u16, u16, u32); 10] = [
-        (256, 4, side),
-        (257, 4, side),
-        (258, 3, 32),
-        (259, 3, 8),
-        (262, 3, 1),
-        (273, 4, 8),
-        (277, 3, 1),
-        (278, 4, side),
-        (279, 4, strip.len() as u32),
-        (339, 3, 3),
-    ];
-    out.extend((entries.len() as u16).to_le_bytes());
-    for (tag, kind, value) in entries {
-        out.extend([tag.to_le_bytes(), kind.to_le_bytes()].concat());
-        out.extend([1u32.to_le_bytes(), value.to_le_bytes()].concat());
-    }
-    out.extend([0; 4]);
-    out
+    tiff(&strip, &grey([side; 2], (32, 3), 8, strip.len() as u32))
 }
 
 /// Runs a command, interrupts it after a while, and tells how long it took to end.
@@ -114,4 +98,20 @@ fn a_long_chain_is_left_behind() {
         let (code, took, said) = interrupted(args, Duration::from_millis(150));
         assert!(took < SOON, "{args:?}: {code} after {took:?}, {:?}", said.lines().last());
     }
+}
+
+/// Who plans a graph of many nodes hears the signal between any two of them.
+#[test]
+fn planning_stops_when_it_is_asked_to() {
+    let text = r#"{ "orograph": 1, "nodes": { "a": { "kind": "constant" }, "b": { "kind": "invert", "in": { "field": "a.field" } } } }"#;
+    let registry = Registry::standard();
+    let graph = Graph::from_bytes(text.as_bytes(), &registry).expect("a graph");
+    let node = graph.find("b").expect("there");
+    let wants = [Want { node, port: "field", grid: graph.terrain().base_grid() }];
+    let engine =
+        Engine::new(&Options { threads: 1, ..Options::default() }, Files::default()).expect("starts");
+    let cancel = Cancel::default();
+    assert!(engine.plan_until(&graph, &wants, &cancel).is_ok());
+    cancel.cancel();
+    assert!(matches!(engine.plan_until(&graph, &wants, &cancel), Err(EngineError::Cancelled)));
 }

@@ -6,31 +6,11 @@ use orograph::kit::hash;
 use serde_json::json;
 
 use super::{Desk, ended, run, some_of, text};
+use crate::files::tiffs::{grey, tiff};
 
-/// A TIFF of one strip for each row that claims a size and has next to nothing to show for it.
+/// A TIFF of one strip that claims a size and has next to nothing to show for it.
 fn claiming_tiff(side: u32, compression: u16) -> Vec<u8> {
-    let mut out = b"II*\0\x08\0\0\0".to_vec();
-    let entries: [(u16, u16, u32, u32); 10] = [
-        (256, 4, 1, side),
-        (257, 4, 1, side),
-        (258, 3, 1, 8),
-        (259, 3, 1, u32::from(compression)),
-        (262, 3, 1, 1),
-        (273, 4, 1, 8),
-        (277, 3, 1, 1),
-        (278, 4, 1, side),
-        (279, 4, 1, 64),
-        (339, 3, 1, 1),
-    ];
-    out.extend((entries.len() as u16).to_le_bytes());
-    for (tag, kind, count, value) in entries {
-        out.extend(tag.to_le_bytes());
-        out.extend(kind.to_le_bytes());
-        out.extend(count.to_le_bytes());
-        out.extend(value.to_le_bytes());
-    }
-    out.extend([0; 128]);
-    out
+    tiff(&[0; 128], &grey([side; 2], (8, 1), compression, 64))
 }
 
 fn png(side: u32, data: &[u8]) -> Vec<u8> {
