@@ -25,7 +25,7 @@ fn main() {
 fn curves(terrain: &Terrain) -> Curves {
     let graph = Graph::from_bytes(SCENE.as_bytes(), &Registry::standard()).expect("a graph");
     let id = graph.find("curves").expect("the node of the curves");
-    let set = serde_json::Value::Object(graph.node(id).set.clone());
+    let set = serde_json::Value::Object((*graph.node(id).set).clone());
     let node: FeatureCurves = serde_json::from_value(set).expect("curves");
     let cancel = Cancel::default();
     let cx = Context::bare(Grid::NOWHERE, terrain, &cancel);
