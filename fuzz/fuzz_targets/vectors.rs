@@ -14,7 +14,7 @@ fuzz_target!(|bytes: &[u8]| {
     let [choice, bytes @ ..] = bytes else { return };
     let terrain = Terrain { width: 1000.0, depth: 700.0, ..Terrain::default() };
     let mapping: Mapping = serde_json::from_str(
-        r#"{ "height": { "property": { "name": "h", "factor": -2, "offset": 1 } }, "amplitude": { "z": { "factor": 0.5 } },
+        r#"{ "height": { "property": { "name": "h", "factor": -2 } }, "amplitude": { "z": { "factor": 0.5 } },
              "left_extent": { "property": { "name": "w" } }, "left_angle": { "value": { "value": 30 } } }"#,
     )
     .expect("a mapping");

@@ -163,7 +163,7 @@ fn texts() -> Vec<(&'static str, Text)> {
             "geojson, systems",
             Box::new(|n| {
                 let crs =
-                    |k: usize| format!(r#"{{"crs":{{"properties":{{"name":"EPSG:{}000"}}}}}}"#, k % 900);
+                    |k: usize| format!(r#"{{"crs":{{"properties":{{"name":"EPSG:{}"}}}}}}"#, 32_601 + k % 60);
                 format!(
                     r#"{{"type":"FeatureCollection","features":[{}null]}}"#,
                     many(n * 500, |k| crs(k) + ",")

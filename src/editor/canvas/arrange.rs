@@ -160,7 +160,10 @@ mod tests {
     #[test]
     fn columns_run_forward_and_nodes_do_not_overlap() {
         let mut presets = 0;
-        for file in std::fs::read_dir("graphs").expect("presets").flatten() {
+        for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../graphs"))
+            .expect("presets")
+            .flatten()
+        {
             let mut graph = Graph::open(&file.path(), &Registry::standard()).expect("a graph");
             let all: BTreeSet<NodeId> = graph.nodes().collect();
             columns(&mut graph, &all).expect("moves");
