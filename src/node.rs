@@ -103,6 +103,11 @@ pub enum Error {
 }
 
 impl Error {
+    /// A parameter that should name a file and names none.
+    pub fn no_file(parameter: &str) -> Self {
+        Self::Parameter { name: parameter.to_owned(), message: "names no file; choose one".to_owned() }
+    }
+
     /// Why a file was not read, as a fault of the parameter that names it.
     pub fn of_source(parameter: &'static str, file: &str, e: SourceError) -> Self {
         match e {

@@ -16,7 +16,7 @@ use orograph::nodes::Registry;
 
 /// A graph with two results that go to the folder, one of them a summary, and one that is made of them.
 const GRAPH: &[u8] = br#"{ "orograph": 1, "terrain": { "width": 1000, "depth": 500, "base": 33 },
-  "nodes": { "a": { "kind": "fbm" }, "b": { "kind": "blur", "in": { "field": "a.height" } },
+  "nodes": { "a": { "kind": "fractal_noise" }, "b": { "kind": "blur", "in": { "field": "a.field" } },
              "c": { "kind": "equalize", "in": { "field": "b.field" } } }, "outputs": {} }"#;
 const MAGIC: &[u8] = b"orograph cache\n";
 

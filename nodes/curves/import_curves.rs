@@ -98,6 +98,9 @@ impl Node for ImportCurves {
     }
 
     fn reading(&self, files: &[std::sync::Arc<SourceFile>]) -> Result<Cost> {
+        if files.is_empty() {
+            return Err(Error::no_file("file"));
+        }
         let content = Cost::of_reading(files);
         if let Some(long) = files.iter().find(|f| f.len() > MAX_FILE as u64) {
             let (file, found) = (long.name().to_owned(), long.len());
@@ -114,7 +117,7 @@ impl Node for ImportCurves {
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {
         if self.file.0.is_empty() {
-            return Err(Error::Parameter { name: "file".into(), message: "no file chosen".into() });
+            return Err(Error::no_file("file"));
         }
         let fault = |message: String| Error::File { parameter: "file", file: self.file.0.clone(), message };
         let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;

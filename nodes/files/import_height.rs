@@ -166,7 +166,7 @@ impl Node for ImportHeight {
 
     fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
         let content = Cost::of_reading(files);
-        let [file, rest @ ..] = files else { return Ok(content) };
+        let [file, rest @ ..] = files else { return Err(Error::no_file("file")) };
         let late = Codec::of_name(file.name()).is_some_and(|c| !c.claims_early);
         if late && file.known_hash().is_none() {
             return Ok(content);
@@ -195,6 +195,13 @@ impl Node for ImportHeight {
         let pose = self.placement.pose(terrain, &raster)?;
         self.placement.warning(terrain, &raster).into_iter().for_each(|warning| cx.warn(warning));
         relief.notes.iter().for_each(|note| cx.warn(note.clone()));
+        if !relief.metres && self.height_scale.0 == 1.0 && self.height_offset.0 == 0.0 {
+            let file = &self.file.0;
+            cx.warn(format!(
+                "`{file}` does not say what its numbers are: they are taken for metres; `height_scale` and `height_offset` \
+                 make metres of others"
+            ));
+        }
         cx.check()?;
         Ok(Outputs {
             height: self.heights(&cx.stage(0.2, 0.8), &relief, &pose)?,
@@ -226,7 +233,7 @@ impl ImportHeight {
     fn relief(&self, cx: &Context<'_>) -> Result<Arc<Relief>> {
         let name = &self.file.0;
         if name.is_empty() {
-            return Err(Error::Parameter { name: "file".into(), message: "no file chosen".into() });
+            return Err(Error::no_file("file"));
         }
         let fault = |message: String| self.fault(message);
         let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;

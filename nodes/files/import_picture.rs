@@ -122,7 +122,7 @@ impl Node for ImportPicture {
 
     fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
         let read = Cost::of_reading(files);
-        let Some(file) = files.first() else { return Ok(read) };
+        let Some(file) = files.first() else { return Err(Error::no_file("file")) };
         let opened = file.open().map_err(|e| Error::of_source("file", file.name(), e))?;
         let claim = PictureClaim::of(file.name(), &mut Stream::new(&*opened), &Limits::default());
         let claim = claim.map_err(|e| self.fault(e.fault.to_string()))?;
@@ -166,7 +166,7 @@ impl ImportPicture {
 
     fn source<'a>(&self, cx: &Context<'a>) -> Result<&'a Arc<SourceFile>> {
         if self.file.0.is_empty() {
-            return Err(Error::Parameter { name: "file".into(), message: "no file chosen".into() });
+            return Err(Error::no_file("file"));
         }
         cx.file(&self.file).ok_or_else(|| self.fault("not found".into()))
     }

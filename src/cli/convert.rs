@@ -93,8 +93,22 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     if let Some(sidecar) = &written.sidecar {
         save(&folder.join(sidecar_name(&name)), format!("{sidecar:#}\n").as_bytes())?;
     }
-    file.origin.notes.iter().chain(&written.notes).for_each(|n| tell(&format!("note: {n}")));
+    let coarse = written.range.filter(|_| range.is_none()).and_then(|range| coarse(&file, range));
+    file.origin.notes.iter().chain(&written.notes).chain(&coarse).for_each(|n| tell(&format!("note: {n}")));
     Ok(Exit::Done)
+}
+
+/// That heights lose their fractions in integers over a range that nobody chose.
+fn coarse(file: &HeightFile, [low, high]: [f64; 2]) -> Option<String> {
+    let heights = || file.data.iter().filter(|z| z.is_finite());
+    let (lowest, highest) =
+        heights().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), z| (a.min(*z), b.max(*z)));
+    heights().any(|z| z.fract() != 0.0).then(|| {
+        format!(
+            "its integers stand for {low} to {high}, and the heights run from {lowest} to {highest}: --range LOW,HIGH gives \
+             them finer steps"
+        )
+    })
 }
 
 /// The name of a file that is written.

@@ -41,20 +41,20 @@ pub(super) struct Args {
     /// Replaces that graph when it is there
     #[arg(long)]
     overwrite: bool,
-    /// Prints what would be set and writes nothing
+    /// Prints what would be set, in the graph of -o where one is named, and writes nothing
     #[arg(long)]
     pub(super) dry_run: bool,
 }
 
 pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
     let (dry, other) = (args.dry_run, args.out.is_some());
-    let of_writing = heed::given([("-o", dry && other), ("--overwrite", dry && args.overwrite)]);
+    let of_writing = heed::given([("--overwrite", dry && args.overwrite)]);
     heed::refuse(of_writing, "a graph that is written, and --dry-run writes none")?;
     let of_other = heed::given([("--overwrite", args.overwrite && !other)]);
     heed::refuse(of_other, "another graph; name it with -o")?;
     let target = args.out.as_ref().unwrap_or(&args.graph);
     let is_other = target != &args.graph && target.symlink_metadata().is_ok();
-    if is_other && !args.overwrite {
+    if is_other && !args.overwrite && !dry {
         return Err(Stop::usage(format!("{} is there already; say --overwrite", target.display())));
     }
     let cannot =

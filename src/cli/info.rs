@@ -11,6 +11,7 @@ use crate::files::Info;
 use crate::graph::Graph;
 use crate::node::Cancel;
 use crate::nodes::Registry;
+use crate::params::Shape;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -95,10 +96,15 @@ fn lines(graph: &Graph) -> Vec<String> {
     );
     field("nodes", &graph.nodes().len().to_string());
     for (name, e) in graph.exposed() {
-        let unit = graph.exposed_param(name).ok().and_then(|p| p.unit).filter(|u| u != "1");
+        let param = graph.exposed_param(name).ok();
+        let unit = param.as_ref().and_then(|p| p.unit.as_deref()).filter(|u| *u != "1");
         let unit = unit.map(|u| format!(" {u}")).unwrap_or_default();
+        let range = match param.map(|p| p.shape) {
+            Some(Shape::Number { min, max, .. }) => format!(" ({min} to {max})"),
+            _ => String::new(),
+        };
         let note = if e.about.is_empty() { &e.label } else { &e.about };
-        lines.push(format!("set      {name} = {}{unit}  {note}", e.value));
+        lines.push(format!("set      {name} = {}{unit}{range}  {note}", e.value).trim_end().to_owned());
     }
     for (name, o) in graph.outputs() {
         let format = o.format.map_or("", |f| f.name());

@@ -184,10 +184,11 @@ fn table(planned: &Planned<'_>) -> Vec<String> {
         lines.push(format!("output {}: cannot be made", f.output));
     }
     lines.push(format!(
-        "memory {}, {} of them for nodes and {} for the program and its writers; {:.2} s on one core, {writing:.2} s of \
-         them for writing",
+        "memory {}: {} for nodes, {} that the allocator holds back, {} for the program and its writers; {:.2} s on one core, \
+         {writing:.2} s of them for writing",
         bytes(need),
         bytes(plan.peak_bytes()),
+        bytes(need.saturating_sub(plan.peak_bytes()).saturating_sub(reserve)),
         bytes(reserve),
         plan.seconds() + writing
     ));

@@ -61,7 +61,10 @@ impl Progress {
 
     /// Says something above the bar.
     pub(super) fn say(&self, message: &str) {
-        self.bar.suspend(|| tell(message));
+        match self.mode {
+            Mode::Json => tell_json(&json!({ "event": "message", "text": message })),
+            _ => self.bar.suspend(|| tell(message)),
+        }
     }
 
     /// Says what was done, unless nothing is to be shown.

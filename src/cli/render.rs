@@ -149,6 +149,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     progress.end();
     let png = picture?.to_png().map_err(|e| Stop::new(Exit::Failed, e))?;
     save(&args.out, &png)?;
+    progress.news(&format!("wrote {}", args.out.display()));
     Ok(Exit::Done)
 }
 

@@ -119,13 +119,16 @@ impl Program {
             InputFault::Upstream(shared) => shared,
         })?;
         let requests = node.files();
+        let nothing_asked = requests.is_empty();
         let found = self.sources.find(&requests).map_err(wrong)?;
         let parameters = graph_node.digest().map_err(wrong)?;
         let key = self.key((kind, &*node, &parameters), &inputs, requests, &found).map_err(wrong)?;
         let (reach, files) = (node.reach(), found.into_iter().flatten().collect::<Vec<_>>());
         let reading = OnceLock::new();
-        // What is wrong with a header shows before anybody goes through the content to know it.
-        if files.iter().any(|f: &Arc<SourceFile>| f.known_hash().is_none()) {
+        // What is wrong with a header shows before anybody goes through the content to know it, and so does a file that is
+        // not chosen yet.
+        let none = nothing_asked && kind.names_files();
+        if none || files.iter().any(|f: &Arc<SourceFile>| f.known_hash().is_none()) {
             let _ = reading.set(node.reading(&files).map_err(wrong)?);
         }
         Ok(Step { name, kind, node, reach, inputs, files, key, reading })

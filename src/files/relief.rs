@@ -56,6 +56,8 @@ pub struct Relief {
     pub rows: usize,
     /// Where the samples lie.
     pub placement: Placement,
+    /// Whether the file says what its numbers are in metres.
+    pub metres: bool,
     /// What a person should know about the reading.
     pub notes: Vec<String>,
     heights: Vec<f32>,
@@ -99,8 +101,8 @@ impl Relief {
             }
         }
         let spline = cubic.then(|| Spline::fit(cols, rows, &heights));
-        let notes = file.origin.notes;
-        Ok(Self { cols, rows, placement: file.placement, notes, heights, voids, spline })
+        let (metres, notes) = (file.metres, file.origin.notes);
+        Ok(Self { cols, rows, placement: file.placement, metres, notes, heights, voids, spline })
     }
 
     /// Bytes that reading a file of a size takes at the peak: samples, marks of voids, coefficients, and what the

@@ -105,7 +105,7 @@ impl Graph {
         let all = listed(exposed());
         Problem::error(
             Place::Exposed(name.to_owned()),
-            format!("is not exposed by this graph (exposed: {all}), and not a `node.parameter`{hint}"),
+            format!("is no name that this graph exposes (exposed: {all}), and no `node.parameter`{hint}"),
         )
     }
 

@@ -207,13 +207,21 @@ impl Kind {
         Ok(parsed)
     }
 
+    /// Whether it has a parameter that names a file.
+    pub fn names_files(&self) -> bool {
+        self.files().next().is_some()
+    }
+
+    fn files(&self) -> impl Iterator<Item = &Param> {
+        self.params().iter().filter(|p| p.widget.as_deref() == Some("file"))
+    }
+
     /// A hash of a node's parameters in canonical form, for keys. Names of files are not in it: a file counts by its
     /// content and the last part of its name, which keys hold beside it.
     pub fn digest(&self, node: &dyn AnyNode) -> [u8; 32] {
         let mut json = node.canonical();
         if let Some(object) = json.as_object_mut() {
-            let files = self.params().iter().filter(|p| p.widget.as_deref() == Some("file"));
-            files.for_each(|p| {
+            self.files().for_each(|p| {
                 object.remove(&p.name);
             });
         }

@@ -106,6 +106,7 @@ impl Terrain {
             let near = self.sizes_near(size);
             let hint = match near.as_slice() {
                 [] => "no size fits; make one side a multiple of the other".to_owned(),
+                [one] => format!("the nearest that does is {one}"),
                 near => format!("the nearest that do are {}", join(near)),
             };
             return Err(format!(

@@ -117,7 +117,7 @@ impl News {
             return;
         };
         let text = |key: &str| event[key].as_str().unwrap_or_default();
-        if event["event"] == "news" {
+        if event["event"] == "news" || event["event"] == "message" {
             self.lines.push(text("text").to_owned());
             return;
         }
@@ -158,12 +158,13 @@ mod tests {
             r#"{ "event": "started", "node": "hills" }"#,
             r#"{ "event": "finished", "node": "hills", "seconds": 0.5 }"#,
             "warning: x",
+            r#"{ "event": "message", "text": "warning: y" }"#,
             r#"{ "event": "news", "text": "wrote height.exr" }"#,
         ] {
             news.hear(line.to_owned());
         }
         let told: Vec<_> = news.nodes.iter().map(|n| (&*n.name, n.share, n.seconds, n.running)).collect();
         assert_eq!(told, [("hills", 1.0, 2.0, 0), ("soft", 0.5, 0.0, 1)]);
-        assert_eq!(news.lines, ["warning: x", "wrote height.exr"]);
+        assert_eq!(news.lines, ["warning: x", "warning: y", "wrote height.exr"]);
     }
 }

@@ -70,18 +70,19 @@ fn evaluate(engine: &Engine, graph: &Graph, wants: &[Want]) -> Option<Evaluation
     }
 }
 
-type Values = BTreeMap<(String, &'static str), Value>;
+/// What was made, by its place among the wants: another graph has other ids for the same nodes.
+type Values = BTreeMap<usize, Value>;
 
 fn values(wants: &[Want], all: &Evaluation, tally: &mut Tally) -> Values {
     let mut values = Values::new();
-    for (want, value) in wants.iter().zip(&all.values) {
+    for (place, (want, value)) in wants.iter().zip(&all.values).enumerate() {
         match value {
             Ok(value) => {
                 let bits = bits(value);
                 let raster = value.grid().is_some();
                 let finite = !raster || bits.iter().all(|&b| f32::from_bits(b).is_finite());
                 assert!(finite, "{:?}.{} is not finite", want.node, want.port);
-                values.insert((format!("{:?}", want.node), want.port), value.clone());
+                values.insert(place, value.clone());
                 tally.made += 1;
             }
             Err(failure) => {
@@ -108,8 +109,10 @@ fn same(values: &Values, engine: &Engine, graph: &Graph, wants: &[Want], how: &s
     let Some(again) = evaluate(engine, graph, wants) else { return };
     let again = self::values(wants, &again, &mut Tally::default());
     assert_eq!(values.len(), again.len(), "{how}");
-    for ((port, value), (_, again)) in values.iter().zip(&again) {
-        assert!(bits(value) == bits(again), "{port:?} {how}");
+    for (place, value) in values {
+        let Want { node, port, .. } = wants[*place];
+        let made = again.get(place).is_some_and(|again| bits(value) == bits(again));
+        assert!(made, "`{}.{port}` {how}", graph.node(node).name);
     }
 }
 
@@ -124,8 +127,8 @@ fn tiles(values: &Values, graph: &Graph, grid: Grid) {
         }
         let wants = wants(graph, tile);
         let Some(all) = evaluate(&engine(2, Keep::Nothing), graph, &wants) else { continue };
-        for (want, value) in wants.iter().zip(&all.values) {
-            let Some(whole) = values.get(&(format!("{:?}", want.node), want.port)) else { continue };
+        for (place, (want, value)) in wants.iter().zip(&all.values).enumerate() {
+            let Some(whole) = values.get(&place) else { continue };
             let value = value.as_ref().expect("what the whole can do a tile can");
             let cut = if whole.grid().is_some() { whole.crop(&tile) } else { whole.clone() };
             assert!(bits(value) == bits(&cut), "{:?}.{} at {tile:?}", want.node, want.port);

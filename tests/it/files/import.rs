@@ -262,7 +262,7 @@ fn errors_name_parameter_or_file() {
     let say = |node: &ImportHeight, files: &[Arc<SourceFile>]| {
         run(node, files, &terrain, grid).err().expect("an error").to_string()
     };
-    assert_eq!(say(&ImportHeight::default(), &[]), "parameter `file` no file chosen");
+    assert_eq!(say(&ImportHeight::default(), &[]), "parameter `file` names no file; choose one");
     assert_eq!(say(&node(Placing::Stretch), &[]), "parameter `file`: not found: a.tif");
     let broken = [source("a.tif", b"II*\0".to_vec())];
     assert!(say(&node(Placing::Stretch), &broken).ends_with(": a.tif"));

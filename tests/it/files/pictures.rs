@@ -376,7 +376,7 @@ fn a_picture_at_true_size_turns_and_its_border_goes_on() {
 fn a_picture_that_is_missing_or_broken_names_its_parameter() {
     let terrain = Terrain { width: 200.0, depth: 200.0, base: 41, ..Terrain::default() };
     let none = run(&ImportPicture::default(), Vec::new(), &terrain, 41).err().expect("none").to_string();
-    assert!(none.contains("parameter `file` no file chosen"), "{none}");
+    assert!(none.contains("parameter `file` names no file"), "{none}");
     let broken =
         run(&node(PicturePlacing::Stretch), b"GIF".to_vec(), &terrain, 41).err().expect("no PNG").to_string();
     assert!(broken.contains("parameter `file`") && broken.ends_with("a.png"), "{broken}");

@@ -44,19 +44,19 @@ fn slips_are_told_with_the_nearest_name() {
         g,
         "rugedness",
         "3",
-        "exposed `rugedness`: is not exposed by this graph (exposed: `ruggedness`), and not a `node.parameter`; did you mean `ruggedness`?",
+        "exposed `rugedness`: is no name that this graph exposes (exposed: `ruggedness`), and no `node.parameter`; did you mean `ruggedness`?",
     );
     refused(
         g,
         "octaves",
         "3",
-        "exposed `octaves`: is not exposed by this graph (exposed: `ruggedness`), and not a `node.parameter`; did you mean `hills.octaves`?",
+        "exposed `octaves`: is no name that this graph exposes (exposed: `ruggedness`), and no `node.parameter`; did you mean `hills.octaves`?",
     );
     refused(
         g,
         "width",
         "3",
-        "exposed `width`: is not exposed by this graph (exposed: `ruggedness`), and not a `node.parameter`; did you mean `terrain.width`?",
+        "exposed `width`: is no name that this graph exposes (exposed: `ruggedness`), and no `node.parameter`; did you mean `terrain.width`?",
     );
     refused(g, "hils.octaves", "3", "node `hils`: is not in the graph; did you mean `hills`?");
     refused(
@@ -101,7 +101,7 @@ fn slips_are_told_with_the_nearest_name() {
         g,
         "",
         "0",
-        "exposed ``: is not exposed by this graph (exposed: `ruggedness`), and not a `node.parameter`",
+        "exposed ``: is no name that this graph exposes (exposed: `ruggedness`), and no `node.parameter`",
     );
     refused(
         g,
