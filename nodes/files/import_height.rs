@@ -193,7 +193,7 @@ impl Node for ImportHeight {
         let terrain = cx.terrain()?;
         let raster = relief.placed(self.cell);
         let pose = self.placement.pose(terrain, &raster)?;
-        self.placement.warning(terrain, &raster).into_iter().for_each(|warning| cx.warn(warning));
+        self.placement.warnings(terrain, &raster).for_each(|warning| cx.warn(warning));
         relief.notes.iter().for_each(|note| cx.warn(note.clone()));
         if !relief.metres && self.height_scale.0 == 1.0 && self.height_offset.0 == 0.0 {
             let file = &self.file.0;

@@ -138,7 +138,7 @@ impl Node for ImportPicture {
         let (placing, cell) = self.placing();
         let raster = Placed { cols: picture.cols, rows: picture.rows, placement: Placement::default(), cell };
         let pose = placing.pose(terrain, &raster)?;
-        placing.warning(terrain, &raster).into_iter().for_each(|warning| cx.warn(warning));
+        placing.warnings(terrain, &raster).for_each(|warning| cx.warn(warning));
         picture.notes.iter().for_each(|note| cx.warn(note.clone()));
         // As the base grid reads it on all coarser grids, too: a mask picks the same places at every size.
         let footprint = pose.footprint(cx.grid.cell().min(cx.base_cell()?));

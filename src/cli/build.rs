@@ -207,7 +207,7 @@ impl Build<'_> {
         // Refused before anything runs: what follows asks for less.
         if let Some(largest) = tiles.iter().max_by_key(|t| t.grid.len()) {
             let wants: Vec<Want> = jobs.iter().map(|j| j.want(largest.grid)).collect();
-            let mut plan = self.engine.plan(self.graph, &wants);
+            let mut plan = self.engine.plan_until(self.graph, &wants, self.cancel)?;
             self.engine.know(self.graph, &wants, &mut plan, self.progress, self.cancel)?;
             self.engine.admit(&plan)?;
         }
@@ -227,7 +227,8 @@ impl Build<'_> {
         if let Some(tile) = tiles.first() {
             let (names, wants): (Vec<String>, Vec<Want>) =
                 jobs.iter().map(|j| (j.name.clone(), j.want(tile.grid))).unzip();
-            for warning in warnings(&self.engine.plan(self.graph, &wants), &names, &self.whole) {
+            let plan = self.engine.plan_until(self.graph, &wants, self.cancel)?;
+            for warning in warnings(&plan, &names, &self.whole) {
                 self.progress.say(&format!("warning: {warning}"));
                 report.warning(warning);
             }

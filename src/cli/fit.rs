@@ -189,7 +189,7 @@ impl Fitting<'_> {
     /// Puts the north-west corner where that of the file lies.
     fn geo(&mut self, file: &HeightFile) -> Result<(), Stop> {
         let place = file.placement;
-        let upright = place.affine.filter(|a| a.is_upright() && a.col[0] > 0.0 && a.row[1] < 0.0);
+        let upright = place.affine.filter(|a| a.is_north_up());
         let metres = matches!(place.units, Units::Length(1.0));
         let (Some(affine), Some(epsg), true) = (upright, place.epsg, metres) else {
             return Err(Stop::usage(

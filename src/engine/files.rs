@@ -151,20 +151,23 @@ impl Allowed {
         if path.components().any(|c| is_device(&c.as_os_str().to_string_lossy())) {
             return Err(Refusal::Device);
         }
-        let mut last = Refusal::Absent;
+        let (mut inside, mut refused) = (goes_down, None);
         for (root, dir) in &self.roots {
             let spot = if goes_down {
                 Some(Spot::Below(root.clone(), dir.clone(), path.to_owned()))
             } else {
                 self.below(&plain(&root.join(path)))
             };
-            match spot.ok_or(Refusal::Outside).and_then(Spot::opened) {
+            let Some(spot) = spot else { continue };
+            inside = true;
+            match spot.opened() {
                 Err(Refusal::Absent) => (),
-                Err(other) => last = other,
+                Err(other) => refused = Some(other),
                 found => return found,
             }
         }
-        Err(last)
+        // A file that is not there is no trespass where one folder at least might hold it.
+        Err(refused.unwrap_or(if inside { Refusal::Absent } else { Refusal::Outside }))
     }
 
     /// The place of a path in the first allowed folder that holds it.

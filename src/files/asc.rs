@@ -357,7 +357,7 @@ fn readable(sheet: &Sheet<'_>) -> (Placement, Option<String>) {
 }
 
 fn write(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
-    let upright = sheet.placement.affine.is_none_or(|a| a.is_upright() && a.col[0] > 0.0 && a.row[1] < 0.0);
+    let upright = sheet.placement.affine.is_none_or(|a| a.is_north_up());
     if !upright {
         return Err(unfit(Format::Asc, "a grid that is turned", "tiff can"));
     }

@@ -79,8 +79,20 @@ impl Placing {
         }
     }
 
-    /// What a person should know of a raster that is stretched over a terrain of another form.
-    pub fn warning(&self, terrain: &Terrain, raster: &Placed) -> Option<String> {
+    /// What a person should know of a raster that is placed otherwise than its file says.
+    pub fn warnings(&self, terrain: &Terrain, raster: &Placed) -> impl Iterator<Item = String> + use<> {
+        let turned =
+            raster.placement.affine.filter(|affine| *self != Self::Georeference && !affine.is_north_up());
+        let turned = turned.map(|_| {
+            "by its own coordinates the file lies turned or mirrored on the map, and it is placed as its rows stand; \
+             `placement` \"georeference\" places it as it lies"
+                .to_owned()
+        });
+        self.unequal(terrain, raster).into_iter().chain(turned)
+    }
+
+    /// How much more one axis is stretched than the other.
+    fn unequal(&self, terrain: &Terrain, raster: &Placed) -> Option<String> {
         if *self != Self::Stretch || raster.cols < 2 || raster.rows < 2 {
             return None;
         }
@@ -218,5 +230,24 @@ fn sin_cos(degrees: f64) -> [f64; 2] {
             let (sin, cos) = libm::sincos(other.to_radians());
             [sin, cos]
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_lies_turned_is_told() {
+        let terrain = Terrain { width: 300.0, depth: 200.0, ..Terrain::default() };
+        let warnings = |placing: Placing, col: [f64; 2], row: [f64; 2]| {
+            let affine = Some(Affine { origin: [0.0; 2], col, row });
+            let placement = Placement { affine, cell: Some([10.0; 2]), ..Placement::default() };
+            placing.warnings(&terrain, &Placed { cols: 31, rows: 21, placement, cell: None }).count()
+        };
+        assert_eq!(warnings(Placing::Stretch, [10.0, 0.0], [0.0, -10.0]), 0);
+        assert_eq!(warnings(Placing::Stretch, [-10.0, 0.0], [0.0, -10.0]), 1, "mirrored");
+        assert_eq!(warnings(Placing::Stretch, [8.0, 6.0], [6.0, -8.0]), 1, "turned");
+        assert_eq!(warnings(Placing::Georeference, [8.0, 6.0], [6.0, -8.0]), 0);
     }
 }

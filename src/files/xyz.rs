@@ -80,7 +80,7 @@ impl Axis {
             return (1.0, 1);
         }
         let intervals = (length / (self.sum / self.count)).round().max(1.0);
-        (length / intervals, intervals as u64 + 1)
+        (length / intervals, (intervals as u64).saturating_add(1))
     }
 }
 

@@ -704,6 +704,11 @@ fn a_graph_of_another_system_finds_its_files() {
         assert_eq!(code(&built), exit, "{file}: {}", said(&built));
         assert!(said(&built).contains(words), "{file}: {}", said(&built));
     }
+    // A folder above all that is named holds what lies beside it, too, although the files beside it are not there.
+    let folder = travelled("../win/a.asc");
+    let path = |name: &str| text(&folder.path().join(name));
+    let built = run(&["build", &path("home/a.graph"), "-o", &path("out"), "--allow", &path("")]);
+    assert_eq!(code(&built), 0, "{}", said(&built));
     // Where a file has the very name, it is that file.
     let folder = travelled("heights\\a.asc");
     std::fs::write(folder.path().join("home/heights\\a.asc"), "ncols 3\nnrows 2\ncellsize 1\n1 2 3\n4 5 6\n")

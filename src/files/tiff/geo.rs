@@ -190,7 +190,7 @@ impl Tags {
         let half = if placement.anchor == Anchor::Area { 0.5 } else { 0.0 };
         if let Some(a) = placement.affine {
             let origin = a.at(-half, -half);
-            let upright = a.is_upright() && a.col[0] > 0.0 && a.row[1] < 0.0;
+            let upright = a.is_north_up();
             if upright {
                 tags.scale = vec![a.col[0], -a.row[1], 0.0];
                 tags.tie = vec![0.0, 0.0, 0.0, origin[0], origin[1], 0.0];

@@ -361,6 +361,8 @@ fn places_that_cannot_be_are_named() {
     }
     let twice = read("a.xyz", b"0 0 100\n10 0 110\n0 10 120\n10 10 130\n0 0 1\n", &[]);
     assert!(notes(&twice).contains("line 5"), "{}", notes(&twice));
+    let far = try_read("a.xyz", b"0 0 1\n1e-9 0 1\n0 1e-9 1\n1e15 1e15 5\n", &[]).expect_err("too many");
+    assert!(far.to_string().contains("claims"), "{far}");
     let two = try_read("a.asc", b"ncols 2\nnrows 1\ncellsize 10 20\n1 2\n", &[]).expect_err("two numbers");
     assert!(two.to_string().contains("`cellsize` takes one number"), "{two}");
 }
