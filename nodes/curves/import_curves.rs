@@ -14,7 +14,8 @@ const PARSING_SECONDS: f64 = 0.2e-6;
 ///
 /// Of an SVG every path and shape is taken, each subpath as a curve: `path`, `line`, `polyline`, `polygon`, `rect`,
 /// `circle`, `ellipse`, also where `use` draws them or an inner `svg` holds them. The page, as large as its `width` and
-/// `height` say in whatever unit, else its view box, is laid on the terrain. Of GeoJSON every `LineString` and
+/// `height` say in px, in, cm, mm, Q, pt, pc, em or ex, else its view box, is laid on the terrain.
+/// Of GeoJSON every `LineString` and
 /// `MultiLineString` is taken and every ring of a `Polygon` and `MultiPolygon`, with coordinates to the east and north, in
 /// metres or the unit of the file's coordinate system: on a terrain that lies on Earth in its own system, else from the
 /// terrain's north-west corner.

@@ -373,3 +373,38 @@ fn a_file_without_lines_is_told_of() {
         assert_eq!(got.warnings, ["the file has no line that becomes a curve"], "{text}");
     }
 }
+
+/// Features in several systems are told of, a system each.
+#[test]
+fn every_system_of_a_file_is_told_of() {
+    let feature = |epsg: u32| {
+        format!(
+            r#"{{"type":"Feature","crs":{{"type":"name","properties":{{"name":"EPSG:{epsg}"}}}},"geometry":
+            {{"type":"LineString","coordinates":[[200,-200],[800,-200]]}}}}"#
+        )
+    };
+    let all = [32611, 25832, 32611].map(feature).join(",");
+    let got = json(&collection(&all), &place(), &plain()).expect("curves");
+    let told = ["feature 0 is in EPSG:32611", "feature 1 is in EPSG:25832"];
+    assert_eq!(got.warnings.len(), 2, "{:?}", got.warnings);
+    assert!(got.warnings.iter().zip(told).all(|(w, told)| w.starts_with(told)), "{:?}", got.warnings);
+}
+
+#[test]
+fn positions_that_are_not_read_are_no_degrees() {
+    let text = collection(
+        r#"{"type":"Feature","geometry":{"type":"LineString","coordinates":[[20000,"x"],[80000,-20000]]}}"#,
+    );
+    let got = json(&text, &place(), &plain()).expect("no fault");
+    assert!(got.warnings.len() == 1 && got.warnings[0].contains("malformed"), "{:?}", got.warnings);
+}
+
+#[test]
+fn a_geometry_in_metres_beside_a_place_is_told_of() {
+    let text = r#"{"type":"FeatureCollection","coordRefSys":"[EPSG:32611]","features":[{"type":"Feature",
+        "place":null,"geometry":{"type":"LineString","coordinates":[[380200,3799800],[380800,3799800]]}}]}"#;
+    let on_earth = Place { origin: [380_000.0, 3_800_000.0], epsg: Some(32611), ..place() };
+    let got = json(text, &on_earth, &plain()).expect("curves");
+    let want = "the `geometry` of feature 0 should be in degrees";
+    assert!(got.warnings.len() == 1 && got.warnings[0].starts_with(want), "{:?}", got.warnings);
+}

@@ -468,3 +468,24 @@ fn a_picture_without_lines_is_told_of() {
     assert!(drawn("").is_empty());
     assert!(drawn(r#"<path display="none" d="M0 0h1"/>"#).is_empty());
 }
+
+#[test]
+fn sizes_in_styles_and_foreign_elements_are_told_of() {
+    let line = r#"<path d="M0 0h10"/>"#;
+    for (root, body, warning) in [
+        ("", "<rect width='10' height='60' style='width:60px'/>", "`width` in the style of rect in line 1"),
+        ("style='height:50px'", "", "`height` in the style of svg in line 1"),
+        ("", "<style>rect{width:9px}</style>", "`width` of the style sheet"),
+        (
+            "",
+            "<foreignObject style='width:9px'><path d='M0 0h1'/></foreignObject>",
+            "`foreignObject` holds no line",
+        ),
+    ] {
+        let text = format!("<svg viewBox='0 0 100 100' {root}>{body}{line}</svg>");
+        let got = svg(&text, Fit::Inside, &plain()).expect(body);
+        assert!(got.warnings.len() == 1 && got.warnings[0].contains(warning), "{body}: {:?}", got.warnings);
+    }
+    // Of a `switch` what stands for a foreign element is drawn.
+    assert_eq!(drawn(&format!("<switch><foreignObject/>{line}</switch>")).len(), 1);
+}

@@ -17,6 +17,8 @@ fn a_page_is_as_large_as_it_says_in_any_unit() {
         ("pc", 16.0),
         ("em", 16.0),
         ("ex", 8.0),
+        ("Q", 96.0 / 101.6),
+        ("MM", 96.0 / 25.4),
     ] {
         let [a, b] = [20.0 * in_user_units, 80.0 * in_user_units];
         let page = format!("width=\"100{unit}\" height=\"100{unit}\"");
@@ -68,5 +70,15 @@ fn the_view_box_lies_in_the_page_and_the_page_on_the_terrain() {
     ] {
         let got = svg(&format!("<svg {page}>{line}</svg>"), fit, &plain()).expect(page);
         assert_eq!(corners(&got), [want], "{page} {fit:?}");
+    }
+}
+
+#[test]
+fn units_that_cannot_be_known_are_named() {
+    for unit in ["rem", "vw", "vh", "VMAX"] {
+        let text = format!("<svg width='10{unit}' height='10' viewBox='0 0 1 1'/>");
+        let error = svg(&text, Fit::Inside, &plain()).expect_err(unit).to_string();
+        let want = format!("the length of the unit `{}` cannot be known", unit.to_ascii_lowercase());
+        assert!(error.contains(&want), "{error}");
     }
 }

@@ -162,9 +162,19 @@ fn system(member: &Member<Crs>) -> Option<System> {
     })
 }
 
+/// The name of the horizontal part of a compound system, which is the first; of another system its own.
+fn horizontal(upper: &str) -> &str {
+    if let Some((_, parts)) = upper.split_once("CRS-COMPOUND?") {
+        let first = parts.split('&').find_map(|part| part.strip_prefix("1="));
+        return first.unwrap_or(upper);
+    }
+    upper.split(",CRS:").nth(1).unwrap_or(upper)
+}
+
 /// A system by its name, as URN, URL or authority and code.
 fn named(name: &str) -> System {
     let upper = name.trim().trim_start_matches('[').trim_end_matches(']').to_ascii_uppercase();
+    let upper = horizontal(&upper);
     let code = upper.rsplit([':', '/', '#']).next().unwrap_or_default();
     match code.parse() {
         _ if matches!(code, "CRS84" | "CRS84H" | "WGS84" | "CRS83" | "CRS27") => System::Degrees,
@@ -227,6 +237,8 @@ mod tests {
             "http://www.opengis.net/def/crs/EPSG/0/25832",
             "http://www.opengis.net/gml/srs/epsg.xml#25832",
             "[EPSG:25832]",
+            "urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::5703",
+            "http://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/EPSG/0/25832&2=http://www.opengis.net/def/crs/EPSG/0/5703",
         ] {
             assert_eq!(named(name), System::Epsg { code: 25832, metres: 1.0 }, "{name}");
         }

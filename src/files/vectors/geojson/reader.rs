@@ -17,13 +17,17 @@ pub(super) struct Reader<'a> {
     /// Where the whole file lies.
     pub(super) grounds: Grounds,
     collector: Collector<'a>,
-    /// What is to be known of the first object that lies apart from the file.
-    own: Option<String>,
+    /// What is to be known of the objects that lie apart from the file: of each system what is said of any object in
+    /// it, and the warning about the first.
+    own: Vec<(String, String)>,
     /// Whether every position so far could be longitude and latitude.
     degrees: bool,
     /// Lines with positions.
     lines: usize,
 }
+
+/// Most warnings about objects that lie apart from the file.
+const MAX_OWN: usize = 8;
 
 /// What something is called in messages.
 pub(super) type Called<'a> = &'a dyn Fn() -> String;
@@ -40,7 +44,7 @@ pub(super) struct Common<'a> {
 impl<'a> Reader<'a> {
     pub(super) fn new(place: &'a Place, grounds: Grounds, mapping: &'a Mapping) -> Self {
         let collector = Collector::new(mapping, place.onto, MAX_POSITIONS);
-        Self { place, grounds, collector, own: None, degrees: true, lines: 0 }
+        Self { place, grounds, collector, own: Vec::new(), degrees: true, lines: 0 }
     }
 
     /// The curves, with a warning of the whole file before those of its parts.
@@ -51,8 +55,17 @@ impl<'a> Reader<'a> {
              reprojected"
                 .to_owned()
         });
-        let warnings = [warning, self.own.take(), degrees];
-        self.collector.finish(warnings.into_iter().flatten().collect())
+        let own = std::mem::take(&mut self.own).into_iter().map(|(_, warning)| warning);
+        self.collector.finish(warning.into_iter().chain(own).chain(degrees).collect())
+    }
+
+    /// Keeps a warning about an object, unless one says the same of another object.
+    fn warn(&mut self, warning: Option<String>, called: Called<'_>) {
+        let Some(warning) = warning.filter(|_| self.own.len() < MAX_OWN) else { return };
+        let said = warning.replacen(&called(), "", 1);
+        if self.own.iter().all(|(known, _)| *known != said) {
+            self.own.push((said, warning));
+        }
     }
 
     pub(super) fn feature(
@@ -70,7 +83,7 @@ impl<'a> Reader<'a> {
         };
         let within = feature.lies.within(self.grounds, called, self.place.epsg);
         let (grounds, warning) = within.map_err(elsewhere)?;
-        self.own = self.own.take().or(warning);
+        self.warn(warning, called);
         let is_geometry = |place: &&Member<Geometry>| matches!(place, Member::Here(g) if g.kind.is_some());
         let (geometry, ground) = match feature.place.as_ref().filter(is_geometry) {
             Some(place) => (Some(place), grounds.place),
@@ -94,7 +107,7 @@ impl<'a> Reader<'a> {
     fn ground_of(&mut self, lies: &Said, outer: Ground, called: Called<'_>) -> Result<Ground, CurveError> {
         let Some(system) = lies.system() else { return Ok(outer) };
         let (ground, warning) = system.on(&called(), self.place.epsg).map_err(elsewhere)?;
-        self.own = self.own.take().or(warning);
+        self.warn(warning, called);
         Ok(ground)
     }
 
@@ -128,6 +141,11 @@ impl<'a> Reader<'a> {
             }
         };
         let ring = matches!(kind, Some("Polygon" | "MultiPolygon"));
+        let is_beside = ground.is_of_place && common.feature.place.is_some();
+        let first = geometry.coordinates.as_ref().and_then(first_position);
+        if is_beside && first.is_some_and(|at| !could_be_degrees(at)) {
+            self.warn(Some(beside(called)), called);
+        }
         match &geometry.coordinates {
             Some(coordinates) if ground.is_of_place && begins_in_degrees(coordinates) => {
                 Err(elsewhere(format!(
@@ -189,7 +207,6 @@ impl<'a> Reader<'a> {
     fn line(&mut self, positions: &[Item], common: Common<'_>, called: Called<'_>) -> Result<(), CurveError> {
         let feature = common.feature;
         self.collector.count(positions.len() + 1)?;
-        self.lines += usize::from(!positions.is_empty());
         let (points, heights) = match self.points(positions, common) {
             Ok(all) => all,
             Err(message) => {
@@ -197,6 +214,7 @@ impl<'a> Reader<'a> {
                 return Ok(());
             }
         };
+        self.lines += usize::from(!positions.is_empty());
         if points.len() < 2 {
             self.collector.tally.add(Notice::Pointlike, called);
             return Ok(());
@@ -263,6 +281,15 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// Tells of a `geometry` beside `coordRefSys` whose numbers can be no degrees.
+fn beside(called: Called<'_>) -> String {
+    format!(
+        "the `geometry` of {} should be in degrees, since `coordRefSys` speaks of `place` alone, and cannot be; it is \
+         read as `coordRefSys` says",
+        called()
+    )
+}
+
 /// Tells of coordinates that do not lie on the terrain.
 fn elsewhere(message: String) -> CurveError {
     CurveError::file("GeoJSON", message)
@@ -275,14 +302,19 @@ fn could_be_degrees([east, north]: Point) -> bool {
 
 /// Whether the first position could be a longitude and a latitude.
 fn begins_in_degrees(coordinates: &Item) -> bool {
+    first_position(coordinates).is_some_and(could_be_degrees)
+}
+
+/// The first position, east and north, where one stands first.
+fn first_position(coordinates: &Item) -> Option<Point> {
     let mut item = Some(coordinates);
     while let Some(one) = item {
         if let Some((at, _)) = one.position() {
-            return could_be_degrees(at);
+            return Some(at);
         }
         item = one.list().and_then(<[Item]>::first);
     }
-    false
+    None
 }
 
 /// A number, a text that is one, or a list of numbers.

@@ -42,8 +42,8 @@ pub enum Fit {
 /// The curves of all lines and shapes of a picture whose page is laid on a rectangle of the terrain; each subpath is a
 /// curve.
 ///
-/// The page is as large as `width` and `height` say, in whatever unit, else as the view box; the view box lies in it as
-/// `preserveAspectRatio` says. Transforms count, and so do inner `svg`, `use`, `symbol` and `switch`. What is not
+/// The page is as large as `width` and `height` say, in units of a fixed length, else as the view box; the
+/// view box lies in it as `preserveAspectRatio` says. Transforms count, and so do inner `svg`, `use`, `symbol` and `switch`. What is not
 /// displayed is left out, be it by an attribute, a style or a simple rule of a style sheet; styles count for display,
 /// visibility and transforms alone, and nothing is clipped. Entities of the file's own DOCTYPE are unfolded,
 /// others stand for nothing: no other file is ever read.
@@ -161,7 +161,8 @@ impl Artist<'_> {
             watch.at(node.index)?;
             self.visits += 1;
             too_many("elements drawn, those of `use` counted", MAX_ELEMENTS, self.visits)?;
-            if !is_displayed(&node) {
+            // Of a `switch` the element that stands for a foreign one is drawn.
+            if !is_displayed(&node) || (row.first_only && node.name() == "foreignObject") {
                 continue;
             }
             if row.first_only {
@@ -198,7 +199,7 @@ impl Artist<'_> {
             "path" | "polyline" | "polygon" | "line" | "rect" | "circle" | "ellipse" if visible => {
                 self.lines(node, &setting, watch).map(|()| None)
             }
-            "text" | "image" => {
+            "text" | "image" | "foreignObject" => {
                 let what = format!("`{name}` holds no line");
                 Err(Fault::Here(Notice::NoLine, what))
             }

@@ -133,9 +133,36 @@ impl Viewport {
     }
 
     /// The length that a text gives, in user units.
-    pub(super) fn length_of(self, text: &str, along: Along) -> Result<f64, svgtypes::Error> {
-        let length = Length::from_str(text)?;
+    ///
+    /// # Errors
+    /// When it is no length, or its unit cannot be known.
+    pub(super) fn length_of(self, text: &str, along: Along) -> Result<f64, String> {
+        let length = length(text)?;
         Ok(user_units(&length).unwrap_or_else(|| length.number / 100.0 * self.side(along)))
+    }
+}
+
+/// Units that depend on a window, or on a font that is not there.
+const UNKNOWN: [&str; 14] =
+    ["rem", "rex", "ch", "rch", "ic", "cap", "lh", "rlh", "vw", "vh", "vi", "vb", "vmin", "vmax"];
+
+/// A length as it is written, its unit in letters of any case.
+///
+/// # Errors
+/// When it is none, or its unit cannot be known.
+fn length(text: &str) -> Result<Length, String> {
+    let lower = text.to_ascii_lowercase();
+    let unit = lower.trim_start_matches(|c: char| !c.is_ascii_alphabetic());
+    if UNKNOWN.contains(&unit) {
+        return Err(format!("the length of the unit `{unit}` cannot be known here"));
+    }
+    // Quarter millimetres.
+    let (number, scale) = lower.strip_suffix('q').map_or((&*lower, 1.0), |number| (number, INCH / 101.6));
+    let length = Length::from_str(number).map_err(|e| e.to_string())?;
+    match length.unit {
+        unit if scale == 1.0 => Ok(Length { unit, ..length }),
+        LengthUnit::None => Ok(Length { number: length.number * scale, unit: LengthUnit::Px }),
+        _ => Err(format!("\"{text}\" is no length")),
     }
 }
 
@@ -221,7 +248,7 @@ pub(super) fn page(root: &Node<'_>, view: Option<ViewBox>) -> Result<[f64; 2], S
         let Some(text) = root.attribute(name).map(str::trim).filter(|t| *t != "auto") else {
             return Ok(None);
         };
-        let length = Length::from_str(text).map_err(|e| format!("`{name}` cannot be read: {e}"))?;
+        let length = length(text).map_err(|e| format!("`{name}` cannot be read: {e}"))?;
         // A share of a window that is not there.
         let Some(units) = user_units(&length) else { return Ok(None) };
         if units > 0.0 { Ok(Some(units)) } else { Err(format!("`{name}` must be above 0, got {text}")) }

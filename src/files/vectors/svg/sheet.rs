@@ -19,8 +19,22 @@ pub(super) const TRANSFORM: usize = 2;
 pub(super) const ORIGIN: usize = 3;
 pub(super) const FRAME: usize = 4;
 /// Properties that place or shape lines, too, and are not read.
-const UNREAD: [&str; 12] =
-    ["translate", "rotate", "scale", "offset-path", "d", "cx", "cy", "r", "rx", "ry", "x", "y"];
+const UNREAD: [&str; 14] = [
+    "translate",
+    "rotate",
+    "scale",
+    "offset-path",
+    "d",
+    "cx",
+    "cy",
+    "r",
+    "rx",
+    "ry",
+    "x",
+    "y",
+    "width",
+    "height",
+];
 /// Rules at an `@` that say nothing of elements.
 const IDLE: [&str; 7] =
     ["charset", "namespace", "font-face", "page", "keyframes", "-webkit-keyframes", "counter-style"];
@@ -176,7 +190,10 @@ impl<'s> Sheet<'s> {
         self.put_rules(&mut values, node, go_on)?;
         for said in css::declarations(node.attribute("style").unwrap_or_default()) {
             go_on()?;
-            tell_of_unread(&said, tally, &|| format!("in the style of {}", node.place()));
+            // Nothing in a foreign element is drawn, however large it is.
+            if node.name() != "foreignObject" {
+                tell_of_unread(&said, tally, &|| format!("in the style of {}", node.place()));
+            }
             if let Some(property) = said.among(&READ) {
                 put(&mut values, property, Value { value: said.value, weight: (said.important, OWN, 0) });
             }
@@ -241,7 +258,8 @@ fn said<'s>(block: &'s str, tally: &mut Tally, go_on: &GoOn<'_>) -> Result<Block
 
 /// Tells of a declaration that would say what is drawn, and is not read.
 fn tell_of_unread(said: &Declaration<'_>, tally: &mut Tally, of: &dyn Fn() -> String) {
-    if let Some(property) = said.among(&UNREAD) {
+    let is_as_without = said.among(&["width", "height"]).is_some() && said.value.eq_ignore_ascii_case("auto");
+    if let Some(property) = said.among(&UNREAD).filter(|_| !is_as_without) {
         tally.add(Notice::Style, || format!("`{}` {}", UNREAD[property], of()));
     }
     if said.holds_rule_of(&READ) {

@@ -19,18 +19,8 @@ use crate::files::vectors::{MAX_ELEMENTS, Mapping, Watch, short, too_many};
 use crate::value::curves::CurveError;
 
 /// Elements that hold nothing to draw, with all that stands in them.
-const IDLE: [&str; 10] = [
-    "style",
-    "script",
-    "metadata",
-    "title",
-    "desc",
-    "filter",
-    "foreignObject",
-    "linearGradient",
-    "radialGradient",
-    "font",
-];
+const IDLE: [&str; 9] =
+    ["style", "script", "metadata", "title", "desc", "filter", "linearGradient", "radialGradient", "font"];
 
 /// Attributes that drawing asks for.
 const ASKED: [&str; 29] = [
