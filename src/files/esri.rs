@@ -95,6 +95,9 @@ impl Header {
     fn number_type(&self, codec: &Codec) -> Result<Number, Fault> {
         let bits = self.count(&["nbits"])?;
         let kind = self.word(&["pixeltype"]).unwrap_or_default().to_ascii_uppercase();
+        if !(kind.is_empty() || ["FLOAT", "SIGNED", "UNSIGNED"].iter().any(|k| kind.starts_with(k))) {
+            return Err(unknown("pixeltype", &kind));
+        }
         let float = kind.starts_with("FLOAT") || *codec == FLT;
         let unsigned = kind.starts_with("UNSIGNED") || self.sign_by_default() == Some(false);
         let default = if float { 32 } else { 8 };
@@ -134,12 +137,28 @@ impl Header {
         ))
     }
 
+    /// Whether the highest byte of a number comes first.
+    fn is_big_endian(&self) -> Result<bool, Fault> {
+        let word = self.word(&["byteorder"]).unwrap_or("I");
+        let plain = word.to_ascii_uppercase().replace(['_', '-'], "");
+        match plain.as_str() {
+            "I" | "II" | "L" | "LSB" | "LSBFIRST" | "INTEL" | "LITTLE" | "LITTLEENDIAN" => Ok(false),
+            "M" | "MM" | "MSB" | "MSBFIRST" | "MOTOROLA" | "BIG" | "BIGENDIAN" => Ok(true),
+            _ => Err(unknown("byteorder", word)),
+        }
+    }
+
+    /// What a person should know of a mark of voids that is no number.
+    fn note_of_nodata(&self) -> Option<String> {
+        let word = self.word(&NODATA).filter(|_| self.number(&NODATA).is_none())?;
+        Some(format!("the `nodata` of its .hdr, \"{word}\", is no number: it marks no voids"))
+    }
+
     /// Where the numbers of a band lie.
     fn flat(&self, codec: &Codec, band: u64, bands: u64) -> Result<Flat, Fault> {
         let (cols, rows) = (self.need("ncols")?, self.need("nrows")?);
         let number = self.number_type(codec)?;
-        let order = self.word(&["byteorder"]).unwrap_or("I").to_ascii_uppercase();
-        let big = order.starts_with('M') && order != "LSBFIRST";
+        let big = self.is_big_endian()?;
         let width = number.bytes();
         let row = cols.saturating_mul(width);
         let band_row = self.count(&["bandrowbytes"])?.unwrap_or(row);
@@ -156,7 +175,8 @@ impl Header {
                 let plane = total.unwrap_or(row).saturating_mul(rows).saturating_add(gap);
                 (width, total.unwrap_or(row), plane.saturating_mul(band))
             }
-            _ => (width, total.unwrap_or(band_row.saturating_mul(bands)), band_row.saturating_mul(band)),
+            "BIL" => (width, total.unwrap_or(band_row.saturating_mul(bands)), band_row.saturating_mul(band)),
+            other => return Err(unknown("layout", other)),
         };
         Ok(Flat { cols, rows, number, big, skip: skip.saturating_add(first), step, line })
     }
@@ -183,6 +203,11 @@ impl Header {
             Placement::default()
         }
     }
+}
+
+/// The fault of a value that would change how all numbers are read, and is not known.
+fn unknown(key: &str, value: &str) -> Fault {
+    Fault::Unsupported(format!("`{key} {value}` in its .hdr, which is not known"))
 }
 
 /// Which band is read, of how many.
@@ -214,6 +239,7 @@ fn read(input: &Input<'_>, codec: &'static Codec) -> Result<HeightFile, Fault> {
     origin.nodata = nodata;
     origin.bands = bands as usize;
     origin.notes.extend(header.note_of_sign(flat.number));
+    origin.notes.extend(header.note_of_nodata());
     if bands > 1 {
         origin.notes.push(format!("{bands} bands, of which number {} is read", band + 1));
     }

@@ -142,11 +142,10 @@ impl<'a> Input<'a> {
             chunk.iter_mut().filter(|v| !is_height(v)).for_each(|v| *v = f32::NAN);
         });
         self.watch.go_on()?;
-        if file.origin.nodata.is_none() {
-            let plain = file.origin.plain;
-            let notes = suspects(&file.data, file.metres).into_iter().map(|s| s.note(plain));
-            file.origin.notes.extend(notes);
-        }
+        // Files often hold a second mark of voids beside the one that they name: what is left is looked at as well.
+        let plain = file.origin.plain;
+        let notes = suspects(&file.data, file.metres).into_iter().map(|s| s.note(plain));
+        file.origin.notes.extend(notes);
         file.origin.nodata = file.origin.nodata.or(self.reading.nodata);
         Ok(file)
     }

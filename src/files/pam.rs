@@ -15,6 +15,12 @@ use super::voids::strike;
 /// Extensions behind the whole name of a file.
 pub(super) const BESIDE: [&str; 2] = ["aux.xml", "msk"];
 
+/// Elements that say where a file lies.
+const PLACE: [&str; 2] = ["SRS", "GeoTransform"];
+
+/// The most things that are named because they are not read.
+const MOST_UNREAD: usize = 8;
+
 /// What is said of a band.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Band {
@@ -22,6 +28,8 @@ struct Band {
     scale: Option<f64>,
     offset: Option<f64>,
     unit: String,
+    /// What is there and not read.
+    unread: Vec<String>,
 }
 
 /// Bytes that reading what stands beside a file takes.
@@ -43,6 +51,8 @@ pub(super) fn apply(input: &Input<'_>, file: &mut HeightFile) -> Result<(), Faul
         file.origin.notes.push("the `.aux.xml` beside it is not understood".into());
         return Ok(());
     };
+    let unread = band.unread.iter().map(|what| format!("{what} of the `.aux.xml` beside it is not read"));
+    file.origin.notes.extend(unread);
     let unit = epsg::unit_of("the `.aux.xml` beside it", &band.unit, &mut file.origin.notes);
     let nodata = band.nodata.filter(|_| file.origin.nodata.is_none());
     let (factor, summand) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
@@ -94,8 +104,15 @@ impl Band {
         let mut reader = Reader::from_str(xml);
         let (mut band, mut inside, mut key, mut text) =
             (Self::default(), false, String::new(), String::new());
+        let mut open = 0usize;
         loop {
-            match reader.read_event().ok()? {
+            let event = reader.read_event().ok()?;
+            match event {
+                Event::Start(_) => open += 1,
+                Event::End(_) => open = open.saturating_sub(1),
+                _ => (),
+            }
+            match event {
                 Event::Start(tag) if tag.name().as_ref() == b"PAMRasterBand" => {
                     inside = is_band(&tag, number)
                 }
@@ -106,25 +123,53 @@ impl Band {
                 }
                 Event::Text(part) => text += &part.decode().ok()?,
                 Event::End(tag) => {
-                    if inside && tag.name().as_ref() == key.as_bytes() {
+                    if PLACE.contains(&key.as_str()) {
+                        band.leave(format!("the `{key}`"));
+                    } else if inside && tag.name().as_ref() == key.as_bytes() {
                         band.take(&key, text.trim());
                     }
                     key.clear();
                 }
-                Event::Eof => return Some(band),
+                // A text that ends in the middle of an element is cut off.
+                Event::Eof => return (open == 0).then_some(band),
                 _ => (),
             }
         }
     }
 
+    /// Names what is not read, once.
+    fn leave(&mut self, what: String) {
+        if !self.unread.contains(&what) && self.unread.len() < MOST_UNREAD {
+            self.unread.push(what);
+        }
+    }
+
     fn take(&mut self, key: &str, text: &str) {
-        let finite = || text.parse().ok().filter(|v: &f64| v.is_finite());
-        match key {
-            "NoDataValue" => self.nodata = finite(),
-            "Scale" => self.scale = finite().filter(|v| *v != 0.0),
-            "Offset" => self.offset = finite(),
-            "UnitType" => self.unit = text.to_owned(),
-            _ => (),
+        let number = text.parse::<f64>().ok();
+        let finite = number.filter(|v| v.is_finite());
+        let is_read = match key {
+            "NoDataValue" => {
+                self.nodata = finite;
+                // What is not finite is a void without a word.
+                number.is_some()
+            }
+            "Scale" => {
+                self.scale = finite.filter(|v| *v != 0.0);
+                self.scale.is_some()
+            }
+            "Offset" => {
+                self.offset = finite;
+                finite.is_some()
+            }
+            "UnitType" => {
+                self.unit = text.to_owned();
+                true
+            }
+            _ => true,
+        };
+        if !is_read {
+            let brief: String = text.chars().take(30).collect();
+            self.leave(format!("`{key}` \"{brief}\""));
         }
     }
 }
@@ -152,5 +197,17 @@ mod tests {
         assert_eq!(Band::parse(xml, 2), Some(second));
         assert_eq!(Band::parse(xml, 3), Some(Band::default()));
         assert_eq!(Band::parse("<PAMDataset></x>", 1), None);
+        assert_eq!(Band::parse(r#"<PAMDataset><PAMRasterBand band="1">"#, 1), None);
+    }
+
+    #[test]
+    fn what_is_not_read_is_named() {
+        let xml = r#"<PAMDataset><SRS>PROJCS["x"]</SRS><PAMRasterBand band="1"><Scale>nan</Scale>
+            <Offset>2</Offset><NoDataValue>zz</NoDataValue></PAMRasterBand></PAMDataset>"#;
+        let band = Band::parse(xml, 1).expect("parses");
+        assert_eq!(band.unread, ["the `SRS`", "`Scale` \"nan\"", "`NoDataValue` \"zz\""]);
+        assert_eq!(band.offset, Some(2.0));
+        let void = "<PAMRasterBand><NoDataValue>nan</NoDataValue></PAMRasterBand>";
+        assert!(Band::parse(void, 1).expect("parses").unread.is_empty());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::codec::{Codec, Form};
 use super::error::{Fault, WriteError};
-use super::flat::{Flat, height};
+use super::flat::{Flat, Number, height};
 use super::height::{HeightFile, Origin};
 use super::input::{Claim, Input};
 use super::place::Placement;
@@ -86,10 +86,11 @@ fn read(input: &Input<'_>, codec: &'static Codec, own: RawSample) -> Result<Heig
     };
     let data = flat(order).read(input, height(None))?;
     let mut origin = Origin::new(codec, sample.name());
-    if said.is_none() && is_smoother(input, flat(order.other()), flat(order))? {
+    if said.is_none() && is_likelier(input, flat(order.other()), flat(order))? {
         let other = order.other().name();
         origin.notes.push(format!(
-            "neighbours differ far less when its bytes are read in the other order; `byte_order` {other} would say so"
+            "its numbers look far more like heights when its bytes are read in the other order; `byte_order` {other} would \
+             say so"
         ));
     }
     let scaled = sidecar.scale.is_some() || sidecar.offset.is_some();
@@ -123,24 +124,45 @@ const LOOKED_AT: u64 = 1 << 16;
 /// How many times smaller differences must be in the other byte order to be worth a note.
 const FAR_LESS: f64 = 8.0;
 
-/// Whether neighbours in a row differ far less when the numbers are read in one way than in another.
-fn is_smoother(input: &Input<'_>, one: Flat, other: Flat) -> Result<bool, Fault> {
+/// How much larger the share of floats that may be heights must be to decide by itself.
+const FAR_MORE: f64 = 0.1;
+
+/// Whether numbers look far more like heights when they are read in one way than in another: more of the floats are of a
+/// size that heights have, or else neighbours in a row differ far less.
+fn is_likelier(input: &Input<'_>, one: Flat, other: Flat) -> Result<bool, Fault> {
     if one.cols < 3 || one.number.bytes() == 1 {
         return Ok(false);
     }
-    let steps = |flat: Flat| -> Result<f64, Fault> {
+    let first_rows = |flat: Flat| {
         let rows = flat.rows.min(LOOKED_AT.div_ceil(flat.cols));
-        let data = Flat { rows, ..flat }.read(input, height(None))?;
-        // A void in one order is a step as large as any.
-        let step = |w: &[f32]| match f64::from(w[1]) - f64::from(w[0]) {
-            d if d.is_finite() => d.abs().min(1e12),
-            _ => 1e12,
-        };
-        Ok(data.chunks_exact(flat.cols as usize).flat_map(|row| row.windows(2)).map(step).sum())
+        Flat { rows, ..flat }.read(input, height(None))
     };
-    let (here, there) = (steps(other)?, steps(one)?);
+    let cols = one.cols as usize;
+    let (one, other, is_float) = (first_rows(one)?, first_rows(other)?, one.number == Number::F32);
+    // Floats of the wrong order are tiny for the most part, and tiny numbers differ by next to nothing.
+    let more = share_of_heights(&one) - share_of_heights(&other);
+    if is_float && more.abs() > FAR_MORE {
+        return Ok(more > 0.0);
+    }
+    let (here, there) = (roughness(&other, cols), roughness(&one, cols));
     // Whole rows of one number tell nothing.
     Ok(here > FAR_LESS * there && there > 0.0)
+}
+
+/// The share of numbers that are 0 or of a size that heights have.
+fn share_of_heights(data: &[f32]) -> f64 {
+    let is_height = |v: &&f32| **v == 0.0 || (1e-6..=1e6).contains(&v.abs());
+    data.iter().filter(is_height).count() as f64 / data.len().max(1) as f64
+}
+
+/// The sum of the steps from neighbour to neighbour in all rows.
+fn roughness(data: &[f32], cols: usize) -> f64 {
+    // A void in one order is a step as large as any.
+    let step = |w: &[f32]| match f64::from(w[1]) - f64::from(w[0]) {
+        d if d.is_finite() => d.abs().min(1e12),
+        _ => 1e12,
+    };
+    data.chunks_exact(cols).flat_map(|row| row.windows(2)).map(step).sum()
 }
 
 /// Columns and rows: by a person's word, by the sidecar, or those of a square.

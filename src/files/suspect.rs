@@ -57,9 +57,11 @@ impl Lowest {
             return false;
         }
         // The unit of plain numbers is not known: only what lies farther off than all others are wide tells.
-        let several = metres && self.count > 1;
-        let wide = spread > 0.0 && (several || gap > spread);
-        wide || (metres && self.value.abs() > FARTHEST_HEIGHT)
+        // Nor does a gap tell much where the others are no heights of the Earth: those of a coarse ramp are as wide.
+        let others = self.next.abs() <= FARTHEST_HEIGHT && highest.abs() <= FARTHEST_HEIGHT;
+        let several = self.count > 1 && spread > 0.0;
+        let far = self.value.abs() > FARTHEST_HEIGHT;
+        (spread > 0.0 && gap > spread) || (metres && others && (several || far))
     }
 }
 
@@ -137,5 +139,10 @@ mod tests {
         // One summit that stands apart by less than the others are wide.
         let summit: Vec<f32> = (0..3000).map(|z| z as f32).chain([3600.0]).collect();
         assert!(codes(&summit, true).is_empty());
+        // Even ramps far above all mountains, with each number once and with each many times.
+        let ramp: Vec<f32> = (0..210).map(|k| 100_000.0 + 1000.0 * k as f32).collect();
+        assert!(codes(&ramp, true).is_empty());
+        let coarse: Vec<f32> = (0..400).map(|k| 100_000.0 + 10_000.0 * (k % 20) as f32).collect();
+        assert!(codes(&coarse, true).is_empty());
     }
 }

@@ -11,7 +11,7 @@ const LONGEST: usize = 1 << 16;
 /// What a `.prj` beside a file says.
 pub(super) fn system(input: &Input<'_>, notes: &mut Vec<String>) -> Option<System> {
     let text = text(input, "prj")?;
-    let system = Node::parse(&text).and_then(|root| System::of(&root)).or_else(|| old(&text));
+    let system = Node::parse(&text).and_then(|root| System::of(&root)).or_else(|| old(&text, notes));
     if system.is_none() {
         notes.push("the .prj beside it is not understood".into());
     }
@@ -60,19 +60,13 @@ fn affine(text: &str) -> Option<Affine> {
 }
 
 /// The `.prj` of `ArcInfo`: a word and its value in each line.
-fn old(text: &str) -> Option<System> {
+fn old(text: &str, notes: &mut Vec<String>) -> Option<System> {
     let value = |key: &str| {
         let mut lines = text.lines().map(|l| l.split_ascii_whitespace().collect::<Vec<_>>());
         let line = lines.find(|l| l.first().is_some_and(|w| w.eq_ignore_ascii_case(key)))?;
         line.get(1).map(|w| w.to_ascii_uppercase())
     };
     let projection = value("projection")?;
-    let length = |word: Option<String>| match word.as_deref() {
-        Some("METERS" | "METRES") => Some(1.0),
-        // Feet in such files are those of the survey.
-        Some("FEET") => epsg::metres(9003),
-        _ => None,
-    };
     let (zone, datum) = (value("zone"), value("datum").unwrap_or_default());
     let epsg = match projection.as_str() {
         "GEOGRAPHIC" => match datum.as_str() {
@@ -97,9 +91,29 @@ fn old(text: &str) -> Option<System> {
     let units = if projection == "GEOGRAPHIC" {
         Units::Degrees
     } else {
-        Units::Length(length(value("units")).unwrap_or(1.0))
+        let unit = value("units").and_then(|word| length("coordinates", &word, notes));
+        Units::Length(unit.unwrap_or(1.0))
     };
-    Some(System { epsg, units, heights: length(value("zunits")) })
+    let heights = value("zunits").and_then(|word| length("heights", &word, notes));
+    for key in ["Xshift", "Yshift"] {
+        let shift = value(&key.to_ascii_lowercase()).filter(|v| v.parse() != Ok(0.0));
+        notes
+            .extend(shift.map(|v| {
+                format!("`{key} {v}` of the .prj beside it is not applied: its place is off by it")
+            }));
+    }
+    Some(System { epsg, units, heights })
+}
+
+/// Metres of a unit in the `.prj` of `ArcInfo`: a word, or how many of it are a metre. `NO` and `NONE` are no unit.
+fn length(of: &str, word: &str, notes: &mut Vec<String>) -> Option<f64> {
+    let metres = word.parse::<f64>().ok().filter(|n| n.is_normal() && *n > 0.0).map(f64::recip);
+    match word {
+        "NO" | "NONE" => None,
+        // Feet in such files are those of the survey.
+        "FEET" => epsg::metres(9003),
+        _ => metres.or_else(|| epsg::unit_of(&format!("{of} in the .prj beside it"), word, notes)),
+    }
 }
 
 #[cfg(test)]
@@ -117,11 +131,29 @@ mod tests {
 
     #[test]
     fn files_of_arcinfo_are_understood() {
-        let utm =
-            old("Projection    UTM\nZone 11\nDatum NAD83\nZunits FEET\nUnits METERS\n").expect("understood");
+        let mut notes = Vec::new();
+        let text = "Projection    UTM\nZone 11\nDatum NAD83\nZunits FEET\nUnits METERS\nXshift 0.0\n";
+        let utm = old(text, &mut notes).expect("understood");
         assert_eq!((utm.epsg, utm.units, utm.heights), (Some(26911), Units::Length(1.0), epsg::metres(9003)));
-        let globe = old("Projection GEOGRAPHIC\nDatum WGS84\nUnits DD").expect("understood");
+        let globe = old("Projection GEOGRAPHIC\nDatum WGS84\nUnits DD", &mut notes).expect("understood");
         assert_eq!((globe.epsg, globe.units, globe.heights), (Some(4326), Units::Degrees, None));
-        assert!(old("hello").is_none());
+        assert!(old("hello", &mut notes).is_none());
+        assert!(notes.is_empty(), "{notes:?}");
+    }
+
+    #[test]
+    fn units_of_arcinfo_are_words_and_numbers() {
+        let mut notes = Vec::new();
+        let mut heights = |unit: &str| {
+            let system = old(&format!("Projection UTM\nUnits METERS\nZunits {unit}\n"), &mut notes);
+            system.expect("understood").heights
+        };
+        let tenth = Some(0.1);
+        assert_eq!((heights("DECIMETERS"), heights("10"), heights("NO")), (tenth, tenth, None));
+        assert_eq!((heights("centimeters"), heights("Kilometers")), (Some(0.01), Some(1000.0)));
+        assert_eq!(heights("FOO"), None);
+        assert!(notes.len() == 1 && notes[0].contains("\"FOO\", is not known"), "{notes:?}");
+        old("Projection UTM\nXshift 1000.0\nYshift 0\n", &mut notes).expect("understood");
+        assert!(notes.len() == 2 && notes[1].starts_with("`Xshift 1000.0`"), "{notes:?}");
     }
 }

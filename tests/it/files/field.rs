@@ -419,3 +419,37 @@ fn what_is_too_long_to_stand_beside_a_file_is_named() {
     let told = run(&["info", &path("a.png")]);
     assert!(said(&told).contains("`a.json` is not read: it has 700"), "{}", said(&told));
 }
+
+#[test]
+fn the_byte_order_of_floats_is_told_by_what_heights_are() {
+    let heights = (0..400).map(|k| 1000.0 + 4.9 * k as f32);
+    let little: Vec<u8> = heights.clone().flat_map(f32::to_le_bytes).collect();
+    let file = read("a.r32", &little, &[]);
+    assert!(!notes(&file).contains("byte_order"), "{}", notes(&file));
+    let big: Vec<u8> = heights.flat_map(f32::to_be_bytes).collect();
+    let file = read("a.r32", &big, &[]);
+    assert!(notes(&file).contains("`byte_order` big would say so"), "{}", notes(&file));
+}
+
+#[test]
+fn words_of_a_header_that_are_not_known_are_refused() {
+    let bytes = [7u8; 8];
+    let with = |more: &str| {
+        let hdr = format!("NROWS 2\nNCOLS 2\nNBITS 16\n{more}\n");
+        try_read("a.bil", &bytes, &[("a.hdr", hdr.as_bytes())])
+    };
+    for word in ["byteorder X", "byteorder VMS_FFLOAT", "pixeltype FOO", "layout FOO"] {
+        let error = with(word).expect_err(word).to_string();
+        assert!(error.contains(word), "{word}: {error}");
+    }
+    let file = with("NODATA zz").expect("reads");
+    assert!(notes(&file).contains("\"zz\", is no number"), "{}", notes(&file));
+}
+
+#[test]
+fn a_second_mark_of_voids_earns_a_note() {
+    let grid = b"ncols 3\nnrows 2\ncellsize 10\nNODATA_value -9999\n-32768 120 130\n-32768 125 -9999\n";
+    let file = read("a.asc", grid, &[]);
+    assert_eq!(file.voids(), 1);
+    assert!(notes(&file).contains("2 samples are -32768"), "{}", notes(&file));
+}
