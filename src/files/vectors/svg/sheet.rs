@@ -258,7 +258,8 @@ fn said<'s>(block: &'s str, tally: &mut Tally, go_on: &GoOn<'_>) -> Result<Block
 
 /// Tells of a declaration that would say what is drawn, and is not read.
 fn tell_of_unread(said: &Declaration<'_>, tally: &mut Tally, of: &dyn Fn() -> String) {
-    let is_as_without = said.among(&["width", "height"]).is_some() && said.value.eq_ignore_ascii_case("auto");
+    let is_as_without =
+        said.among(&["width", "height"]).is_some() && matches!(said.value.trim(), "auto" | "100%");
     if let Some(property) = said.among(&UNREAD).filter(|_| !is_as_without) {
         tally.add(Notice::Style, || format!("`{}` {}", UNREAD[property], of()));
     }
