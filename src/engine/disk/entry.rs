@@ -168,17 +168,23 @@ impl<R: Read> Summed<R> {
         Ok(())
     }
 
+    /// The content. Results are finite (law 8), so that one which is not is no result, whatever its sum says.
     fn given(&mut self, header: &Header, wanted: &Grid, kind: &Kind) -> io::Result<Given> {
         if let Some(count) = header.summary {
             let mut numbers = vec![0f64; count as usize];
             self.fill(bytemuck::cast_slice_mut(&mut numbers))?;
+            if numbers.iter().any(|n| !n.is_finite()) {
+                return Err(damaged());
+            }
             return Ok(Given::Summary(Summary(numbers.into())));
         }
         let mut wires = Wires::default();
         for entry in &header.values {
             let mut data = vec![0f32; entry.components as usize];
             self.fill(bytemuck::cast_slice_mut(&mut data))?;
-            let (port, value) = entry.value(kind, wanted, data).ok_or_else(damaged)?;
+            let value =
+                entry.value(kind, wanted, data).filter(|(_, value)| value.first_not_finite().is_none());
+            let (port, value) = value.ok_or_else(damaged)?;
             wires.put(port, value);
         }
         Ok(Given::Wires(wires))

@@ -122,6 +122,22 @@ fn a_lying_header_is_damage() {
     }
 }
 
+/// Found by fuzzing: numbers that are not finite, under a right sum.
+#[test]
+fn what_is_not_finite_is_damage() {
+    let summary = Given::Summary(Summary(Arc::new([0.5, -7.0])));
+    for (given, number) in
+        [(wires(), f32::NAN.to_ne_bytes().to_vec()), (summary, f64::INFINITY.to_ne_bytes().to_vec())]
+    {
+        let mut bytes = written(&given);
+        let end = bytes.len() - blake3::OUT_LEN;
+        bytes[end - number.len()..end].copy_from_slice(&number);
+        let sum = blake3::hash(&bytes[..end]);
+        bytes[end..].copy_from_slice(sum.as_bytes());
+        assert_eq!(read(&bytes).map(drop).expect_err("no result").kind(), io::ErrorKind::InvalidData);
+    }
+}
+
 /// A disk that fails says nothing about the file: only damage removes it.
 #[test]
 fn passing_faults_are_told_from_damage() {
