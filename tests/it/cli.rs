@@ -1,5 +1,8 @@
 //! The program as a user runs it.
 
+mod names;
+mod options;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
@@ -523,126 +526,6 @@ fn a_node_warns() {
     assert!(drawn.contains(warning), "{drawn}");
 }
 
-#[test]
-fn what_is_wrong_with_the_command_line_is_json_where_json_is_asked_for() {
-    let desk = Desk::new(&height());
-    let graph = text(&desk.path("a.graph"));
-    for (args, words) in [
-        (&["info", &graph, "--json", "--seed", "abc"][..], "invalid value 'abc' for '--seed"),
-        (&["info", &graph, "--base", "q", "--json"], "--base"),
-        (&["check", "--json", "--nonsense"], "unexpected argument '--nonsense'"),
-        (&["plan", "--json"], "required arguments were not provided"),
-        (&["build", "--json", &graph, "-o", "x"], "unexpected argument '--json'"),
-        (&["plan", &graph, "--json", "--cache-size", "1G"], "--cache-size is for a cache folder"),
-    ] {
-        let ended = run(args);
-        assert_eq!(code(&ended), 2, "{args:?}: {}", said(&ended));
-        let json: Json = serde_json::from_slice(&ended.stdout).unwrap();
-        let error = json["error"].as_str().unwrap();
-        assert_eq!(json["exit"], 2, "{json}");
-        assert!(error.contains(words) && !error.contains("Usage:"), "{args:?}: {error}");
-        assert!(!error.starts_with("error"), "{error}");
-    }
-    let plain = run(&["check", "--nonsense", "--", "--json"]);
-    assert!(code(&plain) == 2 && plain.stdout.is_empty(), "{}", said(&plain));
-}
-
-/// No option is ignored in silence: what it is for is said.
-#[test]
-fn options_that_would_be_ignored_are_refused() {
-    let desk = Desk::new(&height());
-    let [graph, asc, raw, out, picture] =
-        ["a.graph", "a.asc", "a.r16", "out", "a.png"].map(|name| text(&desk.path(name)));
-    std::fs::write(&asc, "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 4\n").unwrap();
-    std::fs::write(&raw, [0; 8]).unwrap();
-    let draw = |option: &'static str, value: &'static str, view: &'static str| {
-        ["render", &graph, "-o", &picture, "--view", view, option, value].map(str::to_owned).to_vec()
-    };
-    let words = |args: &[&str]| args.iter().map(|a| (*a).to_owned()).collect::<Vec<String>>();
-    for (args, said_of) in [
-        (words(&["info", &asc, "--sample", "u8"]), "--sample is for a raw file, which"),
-        (
-            words(&["info", &asc, "--byte-order", "big", "--cols", "2"]),
-            "--byte-order, --cols are for a raw file",
-        ),
-        (words(&["info", &asc, "--terrarium"]), "--terrarium is for a PNG, which"),
-        (words(&["convert", &raw, &picture, "--terrain-rgb"]), "--terrain-rgb is for a PNG, which"),
-        (
-            words(&["render", &raw, "-o", &picture, "--channel", "Z"]),
-            "--channel is for a file of channels or bands",
-        ),
-        (words(&["fit", &graph, &asc, "--channel", "1"]), "--channel is for a file of channels or bands"),
-        (
-            words(&["convert", &asc, "b.exr", "--range", "0,9"]),
-            "--range is for formats of integers, which exr is not",
-        ),
-        (words(&["convert", &asc, "b.r32", "--clip"]), "--clip is for formats of integers, which r32 is not"),
-        (draw("--camera", "0,10,45", "map"), "--camera is for a perspective, and a map is drawn"),
-        (draw("--haze", "2", "map"), "--haze is for a perspective"),
-        (draw("--height", "200", "map"), "--height is for a perspective"),
-        (draw("--distance", "200", "map"), "--distance is for a perspective"),
-        (draw("--look-at", "0,0,0", "map"), "--look-at is for a perspective"),
-        (draw("--edge", "haze", "map"), "--edge is for a perspective"),
-        (draw("--contours", "20", "perspective"), "--contours is for a map, and a perspective is drawn"),
-        (words(&["build", &graph, "-o", &out, "--cache-size", "1G"]), "--cache-size is for a cache folder"),
-        (
-            words(&["fit", &graph, &asc, "--dry-run", "--overwrite"]),
-            "--overwrite is for a graph that is written",
-        ),
-        (words(&["fit", &graph, &asc, "--overwrite"]), "--overwrite is for another graph; name it with -o"),
-        (words(&["render", &asc, "-o", &picture, "--threads", "1"]), "--threads is for graphs, which"),
-        (
-            words(&["build", &graph, "-o", &out, "--seed", "1", "--set", "terrain.seed=2"]),
-            "--seed and --set terrain.seed set the same",
-        ),
-        (
-            words(&["plan", &graph, "--base", "65", "--set", "terrain.base=33"]),
-            "--base and --set terrain.base",
-        ),
-    ] {
-        let ended = orograph().args(&args).output().unwrap();
-        assert_eq!(code(&ended), 2, "{args:?}: {}", said(&ended));
-        assert!(said(&ended).contains(said_of), "{args:?}: {}", said(&ended));
-    }
-    assert!(!desk.path("out").exists() && !desk.path("a.png").exists() && !desk.path("b.graph").exists());
-}
-
-#[test]
-fn a_format_does_not_contradict_the_name_of_its_file() {
-    let desk = Desk::new(&height());
-    let asc = text(&desk.path("a.asc"));
-    std::fs::write(&asc, "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 4\n").unwrap();
-    for (name, format, words) in [
-        ("b.r32", "png16", "is the name of a file of"),
-        ("b.hgt", "tiff", "end it in .tif"),
-        ("b.r16", "r32", "end it in .r32"),
-        ("b.png", "tiff16", "end it in .tif"),
-    ] {
-        let ended = run(&["convert", &asc, &text(&desk.path(name)), "--format", format]);
-        assert!(code(&ended) == 2 && said(&ended).contains(words), "{name} {format}: {}", said(&ended));
-        assert!(!desk.path(name).exists(), "{name}");
-    }
-    for (name, format) in [("c.tif", "tiff16"), ("d.png", "png8"), ("e.dem", "tiff"), ("f.raw", "r32")] {
-        let range: &[&str] = if matches!(format, "png8" | "tiff16") { &["--range", "0,9"] } else { &[] };
-        let ended = run(&[&["convert", &asc, &text(&desk.path(name)), "--format", format], range].concat());
-        assert_eq!(code(&ended), 0, "{name} {format}: {}", said(&ended));
-    }
-}
-
-#[cfg(unix)]
-#[test]
-fn a_name_that_is_no_text_is_not_written_as_another() {
-    use std::os::unix::ffi::OsStrExt as _;
-    let desk = Desk::new(&height());
-    let asc = text(&desk.path("a.asc"));
-    std::fs::write(&asc, "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 4\n").unwrap();
-    let name = desk.path("").join(std::ffi::OsStr::from_bytes(b"out\xff.tif"));
-    let ended = orograph().args(["convert", &asc]).arg(&name).output().unwrap();
-    assert_eq!(code(&ended), 2, "{}", said(&ended));
-    assert!(said(&ended).contains("must be text in UTF-8"), "{}", said(&ended));
-    assert_eq!(std::fs::read_dir(desk.path("")).unwrap().count(), 2, "the graph and the heights");
-}
-
 #[cfg(unix)]
 #[test]
 fn a_report_keeps_its_mode() {
@@ -655,99 +538,10 @@ fn a_report_keeps_its_mode() {
     assert_eq!(report.metadata().unwrap().permissions().mode() & 0o777, 0o640);
 }
 
-/// A folder `home` with a graph of one height file, and the folders `home/heights`, `win` and `out_of_reach` with one.
-fn travelled(file: &str) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for inner in ["home/heights", "win", "out_of_reach"] {
-        std::fs::create_dir_all(folder.path().join(inner)).unwrap();
-        let heights = "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 4\n";
-        std::fs::write(folder.path().join(inner).join("a.asc"), heights).unwrap();
-    }
-    let graph = json!({
-        "orograph": 1,
-        "terrain": { "width": 64, "depth": 64, "base": 33 },
-        "nodes": { "dem": { "kind": "import_height", "set": { "file": file } } },
-        "outputs": { "height": { "from": "dem.height", "format": "r32" } },
-    });
-    std::fs::write(folder.path().join("home/a.graph"), graph.to_string()).unwrap();
-    folder
-}
-
-#[cfg(unix)]
-#[test]
-fn a_graph_of_another_system_finds_its_files() {
-    for (file, exit, words) in [
-        ("heights/a.asc", 0, "wrote"),
-        ("heights\\a.asc", 0, "wrote"),
-        (".\\heights\\a.asc", 0, "wrote"),
-        ("heights\\..\\heights\\a.asc", 0, "wrote"),
-        ("heights/../heights/a.asc", 0, "wrote"),
-        ("..\\win\\a.asc", 0, "wrote"),
-        ("../win/a.asc", 0, "wrote"),
-        ("../home/heights/a.asc", 0, "wrote"),
-        ("../out_of_reach/a.asc", 4, "refused"),
-        ("..\\out_of_reach\\a.asc", 4, "refused"),
-        ("../win/../out_of_reach/a.asc", 4, "refused"),
-        ("linked/a.asc", 4, "refused"),
-        ("..\\..\\..\\..\\..\\..\\..\\..\\etc\\passwd", 4, "refused"),
-        ("\\etc\\passwd", 4, "refused"),
-        ("heights\\b.asc", 4, "there is no such file"),
-        ("C:\\heights\\a.asc", 4, "names a drive of Windows"),
-        ("c:/heights/a.asc", 4, "names a drive of Windows"),
-        ("heights\\con", 4, "is the name of a device"),
-    ] {
-        let folder = travelled(file);
-        let path = |name: &str| text(&folder.path().join(name));
-        std::os::unix::fs::symlink("../out_of_reach", folder.path().join("home/linked")).unwrap();
-        let (graph, out, win) = (path("home/a.graph"), path("out"), path("win"));
-        let built = run(&["build", &graph, "-o", &out, "--allow", &win]);
-        assert_eq!(code(&built), exit, "{file}: {}", said(&built));
-        assert!(said(&built).contains(words), "{file}: {}", said(&built));
-    }
-    // A folder above all that is named holds what lies beside it, too, although the files beside it are not there.
-    let folder = travelled("../win/a.asc");
-    let path = |name: &str| text(&folder.path().join(name));
-    let built = run(&["build", &path("home/a.graph"), "-o", &path("out"), "--allow", &path("")]);
-    assert_eq!(code(&built), 0, "{}", said(&built));
-    // Where a file has the very name, it is that file.
-    let folder = travelled("heights\\a.asc");
-    std::fs::write(folder.path().join("home/heights\\a.asc"), "ncols 3\nnrows 2\ncellsize 1\n1 2 3\n4 5 6\n")
-        .unwrap();
-    let graph = text(&folder.path().join("home/a.graph"));
-    let built = run(&["build", &graph, "-o", &text(&folder.path().join("out"))]);
-    assert_eq!(code(&built), 0, "{}", said(&built));
-}
-
-#[cfg(unix)]
-#[test]
-fn a_file_named_on_the_command_line_may_have_separators_of_windows() {
-    let folder = travelled("nothing.asc");
-    let built = orograph()
-        .current_dir(folder.path())
-        .args(["build", "home/a.graph", "-o", "out", "--set", "dem.file=out_of_reach\\a.asc"])
-        .output()
-        .unwrap();
-    assert_eq!(code(&built), 0, "{}", said(&built));
-}
-
-#[cfg(unix)]
-#[test]
-fn fitting_knows_the_node_that_names_the_file_as_on_windows() {
-    let folder = travelled("");
-    let node = |file: &str| json!({ "kind": "import_height", "set": { "file": file } });
-    let nodes = json!({ "one": node("b.asc"), "two": node("heights\\a.asc") });
-    std::fs::write(folder.path().join("home/a.graph"), json!({ "orograph": 1, "nodes": nodes }).to_string())
-        .unwrap();
-    let [graph, heights] = ["home/a.graph", "home/heights/a.asc"].map(|name| text(&folder.path().join(name)));
-    let fitted = run(&["fit", &graph, &heights, "--dry-run", "--cell", "100"]);
-    assert_eq!(code(&fitted), 0, "{}", said(&fitted));
-    assert!(said(&fitted).contains("terrain.width"), "{}", said(&fitted));
-}
-
 /// The terrain has the size of the file at the cell that is asked for, and so does the file in it.
 #[test]
 fn fitting_by_a_cell_gives_it_to_the_node() {
-    let folder = travelled("");
+    let folder = names::travelled("");
     let path = |name: &str| text(&folder.path().join(name));
     let (graph, heights) = (path("home/a.graph"), path("home/heights/a.asc"));
     let rows = "1 2 3 4 5 6 7 8 9\n".repeat(9);
@@ -789,20 +583,6 @@ fn heights_are_scaled_to_numbers_that_can_be_held() {
         let ended = run(&[args, &["--height-scale", "1e9"]].concat());
         assert_eq!(code(&ended), 2, "{args:?}: {}", said(&ended));
         assert!(said(&ended).contains("too large to be kept"), "{args:?}: {}", said(&ended));
-    }
-}
-
-/// An input that is found in an allowed folder, or by a name of another system, is spared as any other.
-#[cfg(unix)]
-#[test]
-fn inputs_are_spared_by_whatever_name_the_graph_gives_them() {
-    for file in ["..\\win\\height.r32", "../win/height.r32", "height.r32"] {
-        let folder = travelled(file);
-        let win = text(&folder.path().join("win"));
-        std::fs::write(folder.path().join("win/height.r32"), [0; 16]).unwrap();
-        let graph = text(&folder.path().join("home/a.graph"));
-        let built = run(&["build", &graph, "-o", &win, "--allow", &win, "--overwrite"]);
-        assert!(code(&built) == 2 && said(&built).contains("never overwritten"), "{file}: {}", said(&built));
     }
 }
 

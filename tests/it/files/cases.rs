@@ -21,7 +21,7 @@ fn moved(i: usize, j: usize) -> f32 {
 }
 
 /// Reads a file as a person says, with what lies beside it; what it claims must be what it has.
-fn try_read(
+pub(super) fn try_read(
     name: &str,
     bytes: &[u8],
     beside: &[(&str, &[u8])],

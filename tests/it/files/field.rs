@@ -2,24 +2,13 @@
 //! voids that nobody declares, files of other programs beside them.
 
 use orograph::files::{
-    Affine, Companion, Fault, Format, HeightFile, Input, Limits, Placement, ReadError, Reading, Units, Watch,
-    Writing, encode_file, read_height,
+    Affine, Fault, Format, HeightFile, Limits, Placement, ReadError, Reading, Units, Writing, encode_file,
+    read_height,
 };
 
+use super::cases::try_read as try_read_as;
 use super::tiffs::{self, Entry};
 use crate::cli::{code, run, said, text};
-
-/// Reads a file with what lies beside it, as a person says.
-fn try_read_as(
-    name: &str,
-    bytes: &[u8],
-    beside: &[(&str, &[u8])],
-    reading: &Reading,
-) -> Result<HeightFile, ReadError> {
-    let companions: Vec<_> = beside.iter().map(|&(name, bytes)| Companion { name, bytes }).collect();
-    let (limits, companions, watch) = (Limits::default(), &companions[..], Watch::default());
-    Input { name, bytes: &bytes, companions, reading, limits: &limits, watch }.read()
-}
 
 fn try_read(name: &str, bytes: &[u8], beside: &[(&str, &[u8])]) -> Result<HeightFile, ReadError> {
     try_read_as(name, bytes, beside, &Reading::default())
