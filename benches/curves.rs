@@ -4,7 +4,7 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use orograph::graph::Graph;
-use orograph::kit::diffusion::{Problem, Quality as Solver, Silent, solve};
+use orograph::kit::diffusion::{Problem, Quality as Solver, solve};
 use orograph::node::{Cancel, Context};
 use orograph::nodes::Registry;
 use orograph::nodes::curves::curve_raster::{self, CurveRaster};
@@ -13,6 +13,7 @@ use orograph::nodes::curves::feature_curves::{self, FeatureCurves};
 use orograph::nodes::generate::multifractal::{self, Multifractal};
 use orograph::prelude::Node;
 use orograph::value::{Constraints, Curves, Grid, Mark, Terrain};
+use orograph::work::Work;
 
 const SIZES: [u32; 3] = [513, 1025, 2049];
 const SCENE: &str = include_str!("../graphs/mountain.graph");
@@ -100,7 +101,9 @@ fn laplace_converged(bencher: Bencher<'_, '_>, size: u32) {
     let target = constraints.planes().height.clone().expect("heights");
     let (cols, rows) = (grid.cols, grid.rows);
     let problem = Problem { cols, rows, fixed: &fixed, target: &target, guidance: None, source: None };
-    let cycles = solve(&problem, Solver::CONVERGED, &Silent).map(|s| s.cycles);
+    let cycles = solve(&problem, Solver::CONVERGED, &Work::default()).map(|s| s.cycles);
     eprintln!("{size}²: {cycles:?} V-cycles");
-    bencher.counter(ItemsCount::new(grid.len())).bench_local(|| solve(&problem, Solver::CONVERGED, &Silent));
+    bencher
+        .counter(ItemsCount::new(grid.len()))
+        .bench_local(|| solve(&problem, Solver::CONVERGED, &Work::default()));
 }

@@ -6,9 +6,10 @@ use std::io::Cursor;
 use divan::counter::{BytesCount, ItemsCount};
 use divan::{Bencher, bench, black_box};
 use orograph::files::{
-    Format, Limits, Reading, Relief, Request, Watch, WriteJob, Writing, encode, fill_voids, read_height,
+    Format, Limits, Reading, Relief, Request, WriteJob, Writing, encode, fill_voids, read_height,
 };
 use orograph::value::{Field, Grid, Lattice, Quantity, Terrain, Value};
+use orograph::work::Work;
 
 fn main() {
     divan::main();
@@ -98,7 +99,7 @@ fn import_cubic(bencher: Bencher<'_, '_>) {
     let reading = Reading::default();
     let request = Request { name: "a.tif", companions: &[], reading: &reading, closing, cubic: true };
     bencher.bench_local(|| {
-        Relief::new(black_box(&request), &bytes, &Limits::default(), Watch::default()).expect("reads")
+        Relief::new(black_box(&request), &bytes, &Limits::default(), Work::default()).expect("reads")
     });
 }
 

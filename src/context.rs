@@ -1,24 +1,16 @@
 //! What a running node may ask of the engine.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
-
+use crate::kit::{hash, stats};
 use crate::node::{Error, Reads, Result, Summary};
 use crate::ports::Wire;
 pub use crate::source::SourceFile;
-use crate::units::{FilePath, Seed};
-use crate::value::{Grid, Lattice, Quantity, Raster, Sample, Terrain, Value};
+use crate::units::{FilePath, Metres, Seed};
+pub use crate::value::Row;
+use crate::value::{Field, Grid, Lattice, Quantity, Raster, Sample, Terrain, Value, fill};
 pub use crate::work::Cancel;
-
-impl Cancel {
-    /// # Errors
-    /// [`Error::Cancelled`] when the work was asked to stop.
-    pub fn check(&self) -> Result<()> {
-        if self.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
-    }
-}
+use crate::work::Work;
 
 /// What a running node may ask of the engine: grid, terrain, seed, files, progress, cancellation.
 ///
@@ -38,43 +30,15 @@ pub struct Context<'a> {
     pub views: &'a [(&'static str, Value)],
     /// The files the node named; nodes ask [`file`](Self::file).
     pub files: &'a [Arc<SourceFile>],
-    /// Asked inside loops.
-    pub cancel: &'a Cancel,
-    /// Told the finished share, 0 to 1.
-    pub progress: &'a (dyn Fn(f32) + Sync),
-    /// Told what a person should know of the result; nodes call [`warn`](Self::warn).
-    pub warnings: &'a (dyn Fn(String) + Sync),
-    /// The part of the whole work that this context stands for.
-    pub share: (f32, f32),
-}
-
-/// A row that [`Context::fill`] asks for.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// Index in the window, from 0.
-    pub j: usize,
-    /// Row of the lattice.
-    pub row: i64,
-    /// South coordinate, in metres.
-    pub y: f64,
+    /// Asked inside loops, told the finished share and what a person should know.
+    pub work: Work<'a>,
 }
 
 impl<'a> Context<'a> {
     /// A context on a grid with nothing declared, for tests and benches of single nodes.
     pub fn bare(grid: Grid, world: &'a Terrain, cancel: &'a Cancel) -> Self {
         let reads = Reads::ALL;
-        Self {
-            grid,
-            reads,
-            world,
-            whole: None,
-            views: &[],
-            files: &[],
-            cancel,
-            progress: &|_| (),
-            warnings: &|_| (),
-            share: (0.0, 1.0),
-        }
+        Self { grid, reads, world, whole: None, views: &[], files: &[], work: Work::new(cancel) }
     }
 
     /// Extent, sea level and base grid of the terrain.
@@ -107,7 +71,7 @@ impl<'a> Context<'a> {
     /// When the kind did not declare [`Reads::SEED`].
     pub fn seed(&self, node: Seed) -> Result<u64> {
         self.declared(Reads::SEED, "SEED")?;
-        Ok(crate::kit::hash::mix(u64::from(self.world.seed) << 32 | u64::from(node.0)))
+        Ok(hash::mix(u64::from(self.world.seed) << 32 | u64::from(node.0)))
     }
 
     /// The statistic that the kind's summary computed on the base grid.
@@ -116,6 +80,32 @@ impl<'a> Context<'a> {
     /// When the node asked for no summary.
     pub fn summary(&self) -> Result<&'a Summary> {
         self.whole.ok_or(Error::Undeclared { what: "summary" })
+    }
+
+    /// The range of a field on the context's grid, as a summary of two numbers; see [`range`](crate::kit::stats::range).
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] when the work was asked to stop.
+    pub fn range_summary(&self, field: &Field, clip: f64) -> Result<Summary> {
+        self.check()?;
+        Ok(Summary(stats::range(&field.crop(&self.grid), clip).into()))
+    }
+
+    /// The range that [`range_summary`](Self::range_summary) found.
+    ///
+    /// # Errors
+    /// When the node asked for no summary.
+    pub fn summary_range(&self) -> Result<[f64; 2]> {
+        let numbers = &self.summary()?.0;
+        Ok([0, 1].map(|i| numbers.get(i).copied().unwrap_or(0.0)))
+    }
+
+    /// The scale that derivatives are taken at: the node's own, or the base cell.
+    ///
+    /// # Errors
+    /// When there is none and the kind does not declare [`Reads::BASE`].
+    pub fn scale(&self, own: Option<Metres>) -> Result<f64> {
+        own.map_or_else(|| self.base_cell(), |m| Ok(m.0))
     }
 
     /// An input on the window that stands at `index` in the list of [`Node::views`](crate::node::Node::views).
@@ -140,34 +130,32 @@ impl<'a> Context<'a> {
     /// # Errors
     /// When it is gone, cannot be read, or has changed since the plan; when the work was asked to stop.
     pub fn read(&self, parameter: &'static str, file: &SourceFile) -> Result<Vec<u8>> {
-        let read = file.read(self.cancel, &|done| self.report(done));
+        let read = file.read(&self.work);
         read.map_err(|e| Error::of_source(parameter, file.name(), e))
     }
 
     /// # Errors
     /// [`Error::Cancelled`] when the work was asked to stop.
     pub fn check(&self) -> Result<()> {
-        self.cancel.check()
+        Ok(self.work.check()?)
     }
 
     /// Reports the finished share of this context's work, 0 to 1.
     pub fn report(&self, done: f32) {
-        let (from, to) = self.share;
-        (self.progress)(from + (to - from) * done.clamp(0.0, 1.0));
+        self.work.report(done);
     }
 
     /// Says what a person should know of the result, in a sentence without a full stop: what was left out, what may not be
     /// meant. It must depend on nothing but what the result depends on. The engine names the node, says a sentence once,
     /// and says it again for a result that it has in memory.
     pub fn warn(&self, message: impl Into<String>) {
-        (self.warnings)(message.into());
+        self.work.warn(message);
     }
 
     /// A context for the part of the work from one share to another: two passes use `stage(0.0, 0.5)` and
     /// `stage(0.5, 1.0)`.
     pub fn stage(&self, from: f32, to: f32) -> Self {
-        let (a, b) = self.share;
-        Self { share: (a + (b - a) * from, a + (b - a) * to), ..*self }
+        Self { work: self.work.stage(from, to), ..*self }
     }
 
     /// Fills a raster on the context's grid, rows in parallel, with progress and cancellation.
@@ -175,34 +163,7 @@ impl<'a> Context<'a> {
     /// # Errors
     /// [`Error::Cancelled`] when the work was asked to stop.
     pub fn fill<T: Sample>(&self, quantity: Quantity, f: impl Fn(Row, &mut [T]) + Sync) -> Result<Raster<T>> {
-        self.fill_on(self.grid, quantity, f)
-    }
-
-    /// Fills a raster on another grid, rows in parallel, with progress and cancellation.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`] when the work was asked to stop.
-    pub fn fill_on<T: Sample>(
-        &self,
-        grid: Grid,
-        quantity: Quantity,
-        f: impl Fn(Row, &mut [T]) + Sync,
-    ) -> Result<Raster<T>> {
-        let mut data = vec![T::default(); grid.len()];
-        let done = AtomicUsize::new(0);
-        // Rows go out in bands of about 16 k samples: large enough to hide the scheduling, small enough to stop soon.
-        let band = (1 << 14) / grid.cols.max(1) + 1;
-        data.par_chunks_mut(grid.cols.max(1) * band).enumerate().try_for_each(|(b, rows)| {
-            self.check()?;
-            for (i, out) in rows.chunks_mut(grid.cols).enumerate() {
-                let j = b * band + i;
-                f(Row { j, row: grid.row + j as i64, y: grid.y(j) }, out);
-            }
-            let finished = done.fetch_add(band, Ordering::Relaxed) + band;
-            self.report(finished as f32 / grid.rows as f32);
-            Ok(())
-        })?;
-        Ok(Raster::new(grid, quantity, data))
+        Ok(fill(&self.work, self.grid, quantity, f)?)
     }
 
     /// Applies a function to every sample of the context's grid; the input may be a larger window.

@@ -18,6 +18,7 @@ use crate::ports::Ports;
 use crate::source::SourceError;
 use crate::value::curves::CurveError;
 use crate::value::{Grid, Terrain, Value, WireType};
+use crate::work::Cancelled;
 
 /// The result of a node.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -100,6 +101,12 @@ pub enum Error {
     /// The work was asked to stop.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl From<Cancelled> for Error {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 impl Error {

@@ -18,7 +18,7 @@ use std::sync::{Arc, OnceLock};
 
 pub use shelf::Shelf;
 
-use crate::work::Cancel;
+use crate::work::{Cancelled, Work};
 
 /// Most bytes of [`SourceFile::head`].
 pub const HEAD_BYTES: u64 = 1 << 16;
@@ -130,6 +130,12 @@ pub enum SourceError {
     Unreadable(String),
 }
 
+impl From<Cancelled> for SourceError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
 impl From<io::Error> for SourceError {
     fn from(e: io::Error) -> Self {
         match e.kind() {
@@ -235,11 +241,11 @@ impl SourceFile {
     ///
     /// # Errors
     /// When the work is cancelled, or the content cannot be read.
-    pub fn hash(&self, cancel: &Cancel, progress: &dyn Fn(f32)) -> Result<[u8; 32], SourceError> {
+    pub fn hash(&self, work: &Work<'_>) -> Result<[u8; 32], SourceError> {
         if let Some(known) = self.known_hash() {
             return known;
         }
-        let fresh = self.walk(cancel, progress, |_| ());
+        let fresh = self.walk(work, |_| ());
         if fresh == Err(SourceError::Cancelled) {
             return fresh;
         }
@@ -253,13 +259,13 @@ impl SourceFile {
     ///
     /// # Errors
     /// When the work is cancelled, the content cannot be read, or it is another one.
-    pub fn read(&self, cancel: &Cancel, progress: &dyn Fn(f32)) -> Result<Vec<u8>, SourceError> {
+    pub fn read(&self, work: &Work<'_>) -> Result<Vec<u8>, SourceError> {
         let too_long = || SourceError::Unreadable(format!("{} bytes do not fit into memory", self.len));
         let mut bytes = Vec::new();
         bytes
             .try_reserve_exact(usize::try_from(self.len).map_err(|_| too_long())?)
             .map_err(|_| too_long())?;
-        let found = self.walk(cancel, progress, |block| bytes.extend_from_slice(block))?;
+        let found = self.walk(work, |block| bytes.extend_from_slice(block))?;
         // A source that nobody hashed before is in no key: what is read now is what counts.
         if self.hash.get_or_init(|| Ok(found)).clone()? != found {
             return Err(SourceError::Changed("its content is another".into()));
@@ -268,26 +274,19 @@ impl SourceFile {
     }
 
     /// Goes through the content in blocks; gives its hash.
-    fn walk(
-        &self,
-        cancel: &Cancel,
-        progress: &dyn Fn(f32),
-        mut take: impl FnMut(&[u8]),
-    ) -> Result<[u8; 32], SourceError> {
+    fn walk(&self, work: &Work<'_>, mut take: impl FnMut(&[u8])) -> Result<[u8; 32], SourceError> {
         let opened = self.open()?;
         let mut hasher = blake3::Hasher::new();
         let mut block = vec![0; self.len.min(BLOCK_BYTES as u64) as usize];
         let mut offset = 0;
         while offset < self.len {
-            if cancel.is_cancelled() {
-                return Err(SourceError::Cancelled);
-            }
+            work.check()?;
             let count = (self.len - offset).min(block.len() as u64) as usize;
             opened.read_at(offset, &mut block[..count])?;
             hasher.update(&block[..count]);
             take(&block[..count]);
             offset += count as u64;
-            progress(offset as f32 / self.len as f32);
+            work.report(offset as f32 / self.len as f32);
         }
         drop(opened);
         // Somebody may have written meanwhile: then nobody knows which content was read.
@@ -329,6 +328,7 @@ pub fn last_name(name: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::work::Cancel;
 
     #[test]
     fn bytes_are_read_at_any_place_and_not_beyond_the_end() {
@@ -363,18 +363,18 @@ mod tests {
 
     #[test]
     fn content_that_is_another_than_the_hashed_one_is_refused() {
-        let (cancel, quiet) = (Cancel::default(), |_: f32| ());
+        let work = Work::default();
         let same = turning(&[b"abc"]);
-        assert_eq!(same.hash(&cancel, &quiet), Ok(*blake3::hash(b"abc").as_bytes()));
-        assert_eq!(same.read(&cancel, &quiet), Ok(b"abc".to_vec()));
+        assert_eq!(same.hash(&work), Ok(*blake3::hash(b"abc").as_bytes()));
+        assert_eq!(same.read(&work), Ok(b"abc".to_vec()));
         for (contents, why) in [
             ([b"abc", b"abc", b"abd" as &[u8], b"abd"], "its content is another"),
             ([b"abc", b"abc", b"ab", b"ab"], "it had 3 bytes and has 2 now"),
             ([b"abc", b"abc", b"abc", b"abcd"], "it had 3 bytes and has 4 now"),
         ] {
             let file = turning(&contents);
-            file.hash(&cancel, &quiet).expect("reads");
-            assert_eq!(file.read(&cancel, &quiet), Err(SourceError::Changed(why.into())));
+            file.hash(&work).expect("reads");
+            assert_eq!(file.read(&work), Err(SourceError::Changed(why.into())));
         }
     }
 
@@ -383,10 +383,11 @@ mod tests {
         let file = turning(&[b"abc"]);
         let cancel = Cancel::default();
         cancel.cancel();
-        assert_eq!(file.hash(&cancel, &|_| ()), Err(SourceError::Cancelled));
+        let work = Work::new(&cancel);
+        assert_eq!(file.hash(&work), Err(SourceError::Cancelled));
         assert_eq!(file.known_hash(), None);
-        assert_eq!(file.read(&cancel, &|_| ()), Err(SourceError::Cancelled));
-        assert!(file.hash(&Cancel::default(), &|_| ()).is_ok());
+        assert_eq!(file.read(&work), Err(SourceError::Cancelled));
+        assert!(file.hash(&Work::default()).is_ok());
     }
 
     #[test]

@@ -5,9 +5,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use orograph::files::{
-    Codec, Companion, Encoding, Format, Input, Limits, Reading, Watch, encode_file, read_height,
-};
+use orograph::files::{Codec, Companion, Encoding, Format, Input, Limits, Reading, encode_file, read_height};
+use orograph::work::Work;
 
 fuzz_target!(
     init: {
@@ -39,14 +38,8 @@ const LIMITS: Limits = Limits { samples: 1 << 16, side: 1 << 10 };
 /// Reads bytes under a name; what can be read can be written and read again.
 fn survive(name: &str, bytes: &[u8], companions: &[Companion<'_>]) {
     let reading = Reading::from(Encoding::Auto);
-    let input = Input {
-        name,
-        bytes: &bytes,
-        companions,
-        reading: &reading,
-        limits: &LIMITS,
-        watch: Watch::default(),
-    };
+    let input =
+        Input { name, bytes: &bytes, companions, reading: &reading, limits: &LIMITS, work: Work::default() };
     let claim = input.claim();
     let file = match input.read() {
         Ok(file) => {

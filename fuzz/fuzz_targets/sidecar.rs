@@ -9,9 +9,9 @@ use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
 use orograph::files::{
-    Companion, Encoding, Format, HeightFile, Input, Limits, Owner, Reading, Watch, Writing, companions,
-    encode_file,
+    Companion, Encoding, Format, HeightFile, Input, Limits, Owner, Reading, Writing, companions, encode_file,
 };
+use orograph::work::Work;
 
 const COLS: usize = 12;
 const ROWS: usize = 8;
@@ -29,7 +29,7 @@ static FILES: LazyLock<Vec<(String, Vec<u8>)>> = LazyLock::new(|| {
             companions: &[],
             reading: &reading,
             limits: &LIMITS,
-            watch: Watch::default(),
+            work: Work::default(),
         };
         input.read().expect("heights")
     };
@@ -61,8 +61,7 @@ fuzz_target!(|bytes: &[u8]| {
     let companions = if *beside < 128 { std::slice::from_ref(&first) } else { &all[..] };
     let reading = Reading::from(Encoding::Auto);
     let bytes = &&content[..];
-    let input =
-        Input { name, bytes, companions, reading: &reading, limits: &LIMITS, watch: Watch::default() };
+    let input = Input { name, bytes, companions, reading: &reading, limits: &LIMITS, work: Work::default() };
     let claim = input.claim();
     let _ = Owner::of(text, name);
     match input.read() {

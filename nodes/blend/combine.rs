@@ -145,14 +145,15 @@ impl Combine {
     ) -> Result<Field> {
         let both = [&input.a, &input.b];
         let strength = self.strength.0 as f32;
-        match (quantity, self.strength.0) {
-            (_, 0.0) => Ok(input.a.crop(&cx.grid)),
-            (Quantity::Mask, _) => {
-                zip(cx, both, quantity, |a, b| fit(Quantity::Mask, lerp(a, finite(f(a, b)), strength)))
-            }
-            (_, 1.0) => zip(cx, both, quantity, |a, b| finite(f(a, b))),
-            _ => zip(cx, both, quantity, |a, b| finite(lerp(a, finite(f(a, b)), strength))),
-        }
+        let field = match (quantity, self.strength.0) {
+            (_, 0.0) => return Ok(input.a.crop(&cx.grid)),
+            (Quantity::Mask, _) => zip(&cx.work, &cx.grid, both, quantity, |a, b| {
+                fit(Quantity::Mask, lerp(a, finite(f(a, b)), strength))
+            }),
+            (_, 1.0) => zip(&cx.work, &cx.grid, both, quantity, |a, b| finite(f(a, b))),
+            _ => zip(&cx.work, &cx.grid, both, quantity, |a, b| finite(lerp(a, finite(f(a, b)), strength))),
+        };
+        Ok(field?)
     }
 
     fn quantity(&self, a: Quantity, b: Quantity) -> Quantity {

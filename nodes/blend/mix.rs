@@ -57,7 +57,7 @@ impl Node for Mix {
         let field = match self.amount.0 {
             0.0 => a.crop(&cx.grid),
             1.0 => b.crop(&cx.grid),
-            amount => zip(cx, [&a, &b], quantity, |a, b| finite(lerp(a, b, amount as f32)))?,
+            amount => zip(&cx.work, &cx.grid, [&a, &b], quantity, |a, b| finite(lerp(a, b, amount as f32)))?,
         };
         Ok(Outputs { field })
     }

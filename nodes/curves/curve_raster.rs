@@ -72,7 +72,7 @@ impl Node for CurveRaster {
 
     fn run(&self, cx: &Context<'_>, Inputs { curves }: Inputs) -> Result<Outputs> {
         let options = Options { feather: self.feather.0 };
-        let stop = || cx.cancel.is_cancelled();
+        let stop = || cx.work.is_cancelled();
         let constraints = raster::rasterise(&curves, &cx.grid, &options, &stop);
         let named = |e| match e {
             CurveError::TooMany { .. } => {

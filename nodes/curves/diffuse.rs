@@ -150,7 +150,7 @@ impl Diffuse {
         });
         let (cols, rows) = (cx.grid.cols, cx.grid.rows);
         let problem = Problem { cols, rows, fixed: &fixed, target: &target, guidance, source: None };
-        let height = spread.solver.solve(&problem, cx).map_err(refused)?.field;
+        let height = spread.solver.solve(&problem, &cx.work).map_err(refused)?.field;
         [fixed, target].into_iter().chain(weight).for_each(|buffer| spread.solver.keep(buffer));
         Ok(height)
     }
@@ -273,7 +273,7 @@ impl Spread<'_> {
         let fixed = self.filled(|i| f32::from(u8::from(marks[i] & mark.bit() != 0)));
         let (cols, rows) = (cx.grid.cols, cx.grid.rows);
         let problem = Problem { cols, rows, fixed: &fixed, target: &[], guidance: None, source: None };
-        let solutions = self.solver.solve_all(&problem, N, target, cx).map_err(refused)?;
+        let solutions = self.solver.solve_all(&problem, N, target, &cx.work).map_err(refused)?;
         self.solver.keep(fixed);
         let mut fields = solutions.into_iter().map(|s| s.field);
         Ok(std::array::from_fn(|_| fields.next().unwrap_or_default()))

@@ -97,12 +97,12 @@ impl Node for DiffusePoints {
                 solve(
                     &Problem { cols, rows, fixed, target, guidance: None, source: None },
                     Quality::CONVERGED,
-                    cx,
+                    &cx.work,
                 )
             }
             Surface::ThinPlate => {
                 let plate = Plate { cols, rows, known: fixed.data(), value: field.data() };
-                bend(&plate, Plate::TOLERANCE, Plate::CYCLES, cx)
+                bend(&plate, Plate::TOLERANCE, Plate::CYCLES, &cx.work)
             }
         };
         match solution {

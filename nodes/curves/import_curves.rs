@@ -137,7 +137,7 @@ impl ImportCurves {
         let terrain = cx.terrain()?;
         let go_on = |share: f32| {
             cx.report(share);
-            !cx.cancel.is_cancelled()
+            !cx.work.is_cancelled()
         };
         let lower = self.file.0.to_ascii_lowercase();
         if lower.ends_with(".svg") {

@@ -5,10 +5,11 @@ use std::sync::Arc;
 pub use crate::files::Placing;
 use crate::files::{
     ByteOrder, Claim, Closing, Codec, Companion, Encoding, Fault, Input, LONGEST_SIDECAR, Limits, Pose,
-    RawSample, Reading, Relief, Request, Watch, apart, companions, last_name,
+    RawSample, Reading, Relief, Request, apart, companions, last_name,
 };
 use crate::node::SourceFile;
 use crate::prelude::*;
+use crate::work::Work;
 
 /// Seconds that decoding a sample takes, with the spline through it.
 const DECODING_SECONDS: f64 = 30e-9;
@@ -265,8 +266,8 @@ impl ImportHeight {
             let limits = Limits::default();
             let bytes = cx.stage(0.01, 0.2).read("file", file)?;
             // Under a lock of the shelf, where a worker must not pick up other work.
-            let watch = Watch { cancel: Some(cx.cancel), progress: None };
-            let relief = apart(|| Relief::new(&way, &bytes, &limits, watch)).map_err(|e| match e.fault {
+            let work = cx.work.quiet();
+            let relief = apart(|| Relief::new(&way, &bytes, &limits, work)).map_err(|e| match e.fault {
                 Fault::Cancelled => Error::Cancelled,
                 other => fault(other.to_string()),
             })?;
@@ -304,8 +305,8 @@ impl ImportHeight {
 /// What the header of a file claims.
 fn claim(file: &SourceFile, companions: &[Companion<'_>], reading: &Reading) -> Result<Claim, String> {
     let opened = file.open().map_err(|e| e.to_string())?;
-    let (name, limits, watch) = (file.name(), &Limits::default(), Watch::default());
-    let input = Input { name, bytes: &*opened, companions, reading, limits, watch };
+    let (name, limits, work) = (file.name(), &Limits::default(), Work::default());
+    let input = Input { name, bytes: &*opened, companions, reading, limits, work };
     input.claim().map_err(|e| e.fault.to_string())
 }
 

@@ -180,7 +180,7 @@ impl ImportPicture {
         let file = self.source(cx)?;
         file.decoded(b"picture", || {
             let bytes = cx.stage(0.0, 0.2).read("file", file)?;
-            let picture = Picture::read(&self.file.0, &bytes, &Limits::default(), cx.cancel);
+            let picture = Picture::read(&self.file.0, &bytes, &Limits::default(), &cx.work);
             cx.check()?;
             let picture = picture.map_err(|e| self.fault(e.fault.to_string()))?;
             let held = picture.bytes();
@@ -198,7 +198,7 @@ impl ImportPicture {
         let reduction = footprint.reduction(self.interpolation);
         let way = format!("texture {:?} {reduction:?}", self.mask);
         self.source(cx)?.decoded(way.as_bytes(), || {
-            let made = apart(|| Texture::new(picture, self.mask, reduction, cx.cancel));
+            let made = apart(|| Texture::new(picture, self.mask, reduction, &cx.work));
             cx.check()?;
             Ok((made, Texture::bytes(picture.cols as u64, picture.rows as u64, reduction)))
         })

@@ -64,6 +64,6 @@ impl Node for Blur {
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
-        Ok(Outputs { field: blur::gaussian(cx, &input.field, cx.grid, self.radius.0)? })
+        Ok(Outputs { field: blur::gaussian(&cx.work, &input.field, cx.grid, self.radius.0)? })
     }
 }

@@ -72,9 +72,9 @@ impl Node for Clamp {
         let (lowest, highest) = (low as f32, high as f32);
         let quantity = field.quantity();
         let field = if knee <= 0.0 {
-            map(cx, &field, quantity, |x| x.max(lowest).min(highest))
+            map(&cx.work, &cx.grid, &field, quantity, |x| x.max(lowest).min(highest))
         } else {
-            map(cx, &field, quantity, |x| {
+            map(&cx.work, &cx.grid, &field, quantity, |x| {
                 let soft = high - raised(high - f64::from(x), knee);
                 ((low + raised(soft - low, knee)) as f32).max(lowest).min(highest)
             })

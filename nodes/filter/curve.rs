@@ -4,7 +4,6 @@ use super::remap::InputRange;
 use crate::kit::curve::Monotone;
 use crate::kit::rows::map;
 use crate::kit::sample::fit;
-use crate::kit::stats;
 use crate::prelude::*;
 
 /// Shapes the values of a field by a curve through points.
@@ -82,7 +81,7 @@ impl Node for Curve {
         match self.input {
             InputRange::Auto { .. } => Some(|node, cx, input| {
                 let InputRange::Auto { clip } = node.input else { return Ok(Summary([].into())) };
-                stats::range_summary(cx, &input.field, clip.0)
+                cx.range_summary(&input.field, clip.0)
             }),
             InputRange::Fixed { .. } => None,
         }
@@ -97,7 +96,7 @@ impl Node for Curve {
             return Ok(Outputs { field: field.crop(&cx.grid) });
         };
         let width = high - low;
-        let field = map(cx, &field, quantity, |x| {
+        let field = map(&cx.work, &cx.grid, &field, quantity, |x| {
             let t = (f64::from(x) - low) / width;
             // What the curve changes, so that a straight one changes nothing.
             fit(quantity, (f64::from(x) + width * (curve.at(t) - t)) as f32)

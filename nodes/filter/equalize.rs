@@ -83,11 +83,11 @@ impl Node for Equalize {
         if self.strength.0 == 0.0 {
             return unchanged(field);
         }
-        let [low, high] = stats::summary_range(cx)?;
+        let [low, high] = cx.summary_range()?;
         let points = cx.summary()?.0.get(2..).unwrap_or_default().as_chunks::<2>().0;
         let (Some(curve), true) = (Monotone::through(points), high > low) else { return unchanged(field) };
         let (width, strength) = (high - low, self.strength.0);
-        let field = map(cx, &field, quantity, |x| {
+        let field = map(&cx.work, &cx.grid, &field, quantity, |x| {
             let t = (f64::from(x) - low) / width;
             let change = if (0.0..=1.0).contains(&t) { curve.at(t) - t } else { 0.0 };
             fit(quantity, (f64::from(x) + strength * width * change) as f32)

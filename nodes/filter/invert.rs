@@ -2,7 +2,6 @@
 
 use crate::kit::rows::map;
 use crate::kit::sample::fit;
-use crate::kit::stats;
 use crate::prelude::*;
 
 /// Turns a field upside down: peaks become pits.
@@ -62,16 +61,18 @@ impl Node for Invert {
     }
 
     fn summary(&self) -> Option<fn(&Self, &Context<'_>, &Inputs) -> Result<Summary>> {
-        (self.about == About::Range).then_some(|_, cx, input| stats::range_summary(cx, &input.field, 0.0))
+        (self.about == About::Range).then_some(|_, cx, input| cx.range_summary(&input.field, 0.0))
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { field }: Inputs) -> Result<Outputs> {
         let quantity = field.quantity();
         let sum = match self.about {
             About::Range if quantity == Quantity::Mask => 1.0,
-            About::Range => stats::summary_range(cx)?.iter().sum(),
+            About::Range => cx.summary_range()?.iter().sum(),
             About::Value { value } => 2.0 * value.0,
         };
-        Ok(Outputs { field: map(cx, &field, quantity, |x| fit(quantity, (sum - f64::from(x)) as f32))? })
+        Ok(Outputs {
+            field: map(&cx.work, &cx.grid, &field, quantity, |x| fit(quantity, (sum - f64::from(x)) as f32))?,
+        })
     }
 }

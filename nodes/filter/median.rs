@@ -65,6 +65,6 @@ impl Node for Median {
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
-        Ok(Outputs { field: median::disk(cx, &input.field, cx.grid, self.radius.0)? })
+        Ok(Outputs { field: median::disk(&cx.work, &input.field, cx.grid, self.radius.0)? })
     }
 }

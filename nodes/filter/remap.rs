@@ -3,7 +3,6 @@
 use crate::kit::curve::bias;
 use crate::kit::rows::map;
 use crate::kit::sample::finite;
-use crate::kit::stats;
 use crate::prelude::*;
 
 /// Brings a range of values into another: levels.
@@ -65,7 +64,7 @@ impl InputRange {
     /// When it is automatic and the node asked for no summary.
     pub fn ends(self, cx: &Context<'_>) -> Result<[f64; 2]> {
         match self {
-            Self::Auto { .. } => stats::summary_range(cx),
+            Self::Auto { .. } => cx.summary_range(),
             Self::Fixed { low, high } => Ok([low.0, high.0]),
         }
     }
@@ -125,7 +124,7 @@ impl Node for Remap {
         match self.input {
             InputRange::Auto { .. } => Some(|node, cx, input| {
                 let InputRange::Auto { clip } = node.input else { return Ok(Summary([].into())) };
-                stats::range_summary(cx, &input.field, clip.0)
+                cx.range_summary(&input.field, clip.0)
             }),
             InputRange::Fixed { .. } => None,
         }
@@ -138,10 +137,12 @@ impl Node for Remap {
         let (middle, clamp) = (1.0 - self.midpoint.0, self.clamp);
         let field = if high == low {
             // A range without width is a step.
-            map(cx, &field, quantity, |x| if f64::from(x) < low { from as f32 } else { to as f32 })
+            map(&cx.work, &cx.grid, &field, quantity, |x| {
+                if f64::from(x) < low { from as f32 } else { to as f32 }
+            })
         } else {
             let scale = 1.0 / (high - low);
-            map(cx, &field, quantity, |x| {
+            map(&cx.work, &cx.grid, &field, quantity, |x| {
                 let t = (f64::from(x) - low) * scale;
                 let t = if clamp { t.clamp(0.0, 1.0) } else { t };
                 finite((from + bent(t, middle) * (to - from)) as f32)

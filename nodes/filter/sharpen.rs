@@ -68,9 +68,9 @@ impl Node for Sharpen {
         if amount == 0.0 {
             return Ok(Outputs { field: field.crop(&cx.grid) });
         }
-        let smooth = blur::gaussian(&cx.stage(0.0, 0.8), &field, cx.grid, self.radius.0)?;
+        let smooth = blur::gaussian(&cx.work.stage(0.0, 0.8), &field, cx.grid, self.radius.0)?;
         let quantity = field.quantity();
-        let field = zip(&cx.stage(0.8, 1.0), [&field, &smooth], quantity, |x, s| {
+        let field = zip(&cx.work.stage(0.8, 1.0), &cx.grid, [&field, &smooth], quantity, |x, s| {
             let d = x - s;
             let kept = (d.abs() - threshold).max(0.0).copysign(d);
             fit(quantity, x + amount * kept)

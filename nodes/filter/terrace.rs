@@ -4,7 +4,6 @@ use crate::kit::curve::{bias, gain};
 use crate::kit::hash;
 use crate::kit::rows::Rows;
 use crate::kit::sample::fit;
-use crate::kit::stats;
 use crate::prelude::*;
 
 /// Lays a field into terraces: flat treads and steep risers, like banks of hard and soft rock.
@@ -99,7 +98,7 @@ impl Node for Terrace {
 
     fn summary(&self) -> Option<fn(&Self, &Context<'_>, &Inputs) -> Result<Summary>> {
         matches!(self.steps, Steps::Count { .. })
-            .then_some(|_, cx, input| stats::range_summary(cx, &input.field, 0.0))
+            .then_some(|_, cx, input| cx.range_summary(&input.field, 0.0))
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { field, shift }: Inputs) -> Result<Outputs> {
@@ -136,7 +135,7 @@ impl Profile {
         let (base, height) = match node.steps {
             Steps::Height { height } => (0.0, height.0),
             Steps::Count { count } => {
-                let [low, high] = stats::summary_range(cx)?;
+                let [low, high] = cx.summary_range()?;
                 (low, (high - low) / f64::from(count.max(1)))
             }
         };

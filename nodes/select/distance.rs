@@ -102,8 +102,8 @@ impl Node for Distance {
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
         let (limit, threshold) = (self.limit.0, self.threshold.0 as f32);
         let measure = |cx: &Context<'_>, side: Side| match side {
-            Side::Inside => distance::to_set(cx, &input.mask, &cx.grid, limit, |m| m < threshold),
-            _ => distance::to_set(cx, &input.mask, &cx.grid, limit, |m| m >= threshold),
+            Side::Inside => distance::to_set(&cx.work, &input.mask, &cx.grid, limit, |m| m < threshold),
+            _ => distance::to_set(&cx.work, &input.mask, &cx.grid, limit, |m| m >= threshold),
         };
         let (most, limit) = (cx.stage(0.0, 0.9), limit as f32);
         let field = match self.side {

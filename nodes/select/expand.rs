@@ -100,10 +100,10 @@ impl Node for Expand {
             let left = (steps.len() - 1 - i) as i64;
             let window = soft.grow_cells(left * morphology::reach(self.radius.0, cell));
             let stage =
-                cx.stage(0.8 * i as f32 / steps.len() as f32, 0.8 * (i + 1) as f32 / steps.len() as f32);
+                cx.work.stage(0.8 * i as f32 / steps.len() as f32, 0.8 * (i + 1) as f32 / steps.len() as f32);
             field = morphology::disk(&stage, "field", &field, &window, self.radius.0, keep)?;
         }
-        field = morphology::soften(&cx.stage(0.8, 1.0), "field", &field, &cx.grid, self.soft.0)?;
+        field = morphology::soften(&cx.work.stage(0.8, 1.0), "field", &field, &cx.grid, self.soft.0)?;
         Ok(Outputs { field: field.with_quantity(quantity) })
     }
 }

@@ -89,7 +89,7 @@ impl Node for Hillshade {
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
-        let scale = derivative::scale(cx, self.scale)?;
+        let scale = cx.scale(self.scale)?;
         let derivative = Derivative::new("height", &input.height, &cx.grid, scale)?;
         let factor = self.exaggeration.0 as f32;
         let (sun, fan) = (self.sun(0.0), [-90.0, -45.0, 0.0, 45.0].map(|turn| self.sun(turn)));

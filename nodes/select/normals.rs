@@ -76,7 +76,7 @@ impl Node for Normals {
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
-        let scale = derivative::scale(cx, self.scale)?;
+        let scale = cx.scale(self.scale)?;
         let derivative = Derivative::new("height", &input.height, &cx.grid, scale)?;
         let factor = self.exaggeration.0 as f32;
         let vectors = cx.stage(0.0, 0.6).fill(Quantity::Vector, |row, out: &mut [[f32; 2]]| {

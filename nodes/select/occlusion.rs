@@ -122,7 +122,7 @@ impl Node for Occlusion {
         let far = match extents.field() {
             Some(_) => {
                 let field = cx.view("height", 0)?;
-                let far = Far::new(&cx.stage(0.1, 0.2), "height", field, &cx.grid, base, &extents)?;
+                let far = Far::new(&cx.work.stage(0.1, 0.2), "height", field, &cx.grid, base, &extents)?;
                 let places = rays
                     .directions
                     .iter()
@@ -210,10 +210,10 @@ impl Rays {
         let mut levels = vec![height];
         let count = self.near.len() as f32 - 1.0;
         for (level, margin) in self.near.iter().enumerate().skip(1) {
-            let cx = cx.stage((level - 1) as f32 / count, level as f32 / count);
+            let work = cx.work.stage((level - 1) as f32 / count, level as f32 / count);
             let window = cx.grid.refined(self.refinement).grow_cells(*margin);
             let step = hole(self.unit, level);
-            let next = morphology::blend(&cx, "height", &levels[level - 1], &window, &[(step, 0.25)])?;
+            let next = morphology::blend(&work, "height", &levels[level - 1], &window, &[(step, 0.25)])?;
             levels.push(next);
         }
         Ok(levels)

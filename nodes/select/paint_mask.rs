@@ -85,7 +85,7 @@ impl Node for PaintMask {
             let mut near = Vec::new();
             for (k, (bounds, stroke)) in strokes.iter().enumerate() {
                 // Many strokes make a row long; what is left of it then is thrown away.
-                if k % PACE == PACE - 1 && cx.cancel.is_cancelled() {
+                if k % PACE == PACE - 1 && cx.work.is_cancelled() {
                     return;
                 }
                 stroke.paint(bounds, &xs, row.y, &mut values, &mut near);

@@ -82,7 +82,7 @@ impl Node for SelectAspect {
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
-        let scale = derivative::scale(cx, self.scale)?;
+        let scale = cx.scale(self.scale)?;
         let derivative = Derivative::new("height", &input.height, &cx.grid, scale)?;
         let direction = cx.stage(0.0, 0.5).fill(Quantity::Direction, |row, out| {
             let gradient = derivative.gradient(row.j);

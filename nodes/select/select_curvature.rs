@@ -107,7 +107,7 @@ impl Node for SelectCurvature {
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
-        let scale = derivative::scale(cx, self.scale)?;
+        let scale = cx.scale(self.scale)?;
         let derivative = Derivative::new("height", &input.height, &cx.grid, scale)?;
         let curvature = cx.stage(0.0, 0.8).fill(Quantity::Curvature, |row, out| {
             let (first, second) = (derivative.gradient(row.j), derivative.second(row.j));

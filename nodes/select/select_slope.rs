@@ -76,7 +76,7 @@ impl Node for SelectSlope {
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
-        let scale = derivative::scale(cx, self.scale)?;
+        let scale = cx.scale(self.scale)?;
         let derivative = Derivative::new("height", &input.height, &cx.grid, scale)?;
         let slope = cx.stage(0.0, 0.8).fill(Quantity::Slope, |row, out| {
             let gradient = derivative.gradient(row.j);

@@ -9,11 +9,10 @@ use super::args::{parse_finite, parse_positive};
 use super::exit::{Exit, Stop, save, tell};
 use super::sidecars::spare_sidecars;
 use super::{heed, height};
-use crate::files::{
-    Codec, Format, HeightFile, Watch, WriteError, Writing, encode_file, fill_voids, sidecar_name,
-};
+use crate::files::{Codec, Format, HeightFile, WriteError, Writing, encode_file, fill_voids, sidecar_name};
 use crate::node::Cancel;
 use crate::whole::{self, Known};
+use crate::work::Work;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -78,8 +77,8 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     let (reading, budget) = (args.read.reading(&args.input)?, args.memory.budget());
     let file = height::read_with(&args.input, &reading, budget, 0, cancel, scaled)?;
     cancel.check().map_err(|e| Stop::new(Exit::Cancelled, e))?;
-    let watch = Watch { cancel: Some(cancel), ..Watch::default() };
-    let writing = Writing { file: &name, range, clip: args.clip, flip: args.flip, watch, ..format.into() };
+    let work = Work::new(cancel);
+    let writing = Writing { file: &name, range, clip: args.clip, flip: args.flip, work, ..format.into() };
     let folder = args.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let cannot =
         |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot open {}: {e}", folder.display()));

@@ -14,10 +14,11 @@ use super::heed;
 use crate::engine::default_budget;
 use crate::files::{
     ByteOrder, Claim, Codec, Companion, Encoding, Fault, HeightFile, Input, LONGEST_SIDECAR, Limits,
-    RawSample, Reading, Watch, companions, last_name,
+    RawSample, Reading, companions, last_name,
 };
 use crate::node::Cancel;
 use crate::source::ReadAt;
+use crate::work::Work;
 
 /// Bytes that the program takes beside what it reads.
 const PROGRAM: u64 = 48 << 20;
@@ -184,8 +185,8 @@ fn read_here(
     let beside: Vec<_> = names.iter().filter_map(|n| Some((n, small(n)?))).collect();
     let companions: Vec<_> = beside.iter().map(|(name, bytes)| Companion { name, bytes }).collect();
     let limits = Limits::default();
-    let watch = Watch { cancel: Some(cancel), ..Watch::default() };
-    let input = Input { name: &name, bytes: &file, companions: &companions, reading, limits: &limits, watch };
+    let work = Work::new(cancel);
+    let input = Input { name: &name, bytes: &file, companions: &companions, reading, limits: &limits, work };
     let claim = input.claim().map_err(|e| Stop::new(exit(&e.fault), e))?;
     admit(&name, &claim, bytes_a_sample, budget)?;
     let mut file = input.read().map_err(|e| Stop::new(exit(&e.fault), e))?;

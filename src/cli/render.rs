@@ -19,9 +19,10 @@ use crate::graph::{Graph, Source};
 use crate::node::{Cancel, Cost};
 use crate::nodes::Registry;
 use crate::render::{
-    Camera, Edge, Palette, Picture, Scene, Sun, Watch, map, map_cost, perspective, perspective_cost,
+    Camera, Edge, Palette, Picture, Scene, Sun, map, map_cost, perspective, perspective_cost,
 };
 use crate::value::{Colors, Field, Grid, Lattice, Quantity, Value, WireType};
+use crate::work::Work;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -390,7 +391,7 @@ fn draw(args: &Args, subject: &Subject, cancel: &Cancel) -> Result<Picture, Stop
         scene.sun.altitude = 90.0;
         scene.shadow = 0.0;
     }
-    let watch = Watch::quiet(cancel);
+    let watch = Work::new(cancel);
     let drawn = match args.view {
         View::Map => map(&scene, map_width(args, subject.height.grid().cols), &watch),
         View::Perspective => perspective(&scene, &camera(args)?, &watch),

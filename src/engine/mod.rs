@@ -24,10 +24,10 @@ mod program;
 mod run;
 mod sources;
 
-use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 pub use disk::DEFAULT_LIMIT as DEFAULT_CACHE_BYTES;
 pub use error::{Cause, EngineError, Failure, SharedFailure, bytes};
@@ -45,6 +45,7 @@ use crate::graph::{Graph, NodeId, Source};
 use crate::node::{Cancel, Error, SourceFile};
 use crate::source::SourceError;
 use crate::value::{Grid, Value};
+use crate::work::Work;
 
 /// Seconds an evaluation may be estimated to take unless the user says otherwise: a day.
 pub const DEFAULT_SECONDS: f64 = 86_400.0;
@@ -413,14 +414,14 @@ fn learn(
     cancel: &Cancel,
 ) -> Result<(), EngineError> {
     for (node, file) in unread {
-        let last = Cell::new(0);
+        let last = AtomicU32::new(0);
         let progress = |share: f32| {
             let now = (share * 100.0) as u32;
-            if last.replace(now) < now {
+            if last.fetch_max(now, Ordering::Relaxed) < now {
                 observer.reading(node, file.name(), share);
             }
         };
-        if file.hash(cancel, &progress) == Err(SourceError::Cancelled) {
+        if file.hash(&Work::new(cancel).telling(&progress)) == Err(SourceError::Cancelled) {
             return Err(EngineError::Cancelled);
         }
     }

@@ -22,6 +22,7 @@ use super::{Keep, lift, mix};
 use crate::node::{AnyNode, Cancel, Context, Error, Kind, Result};
 use crate::ports::{MASK, Wires};
 use crate::value::{Grid, Value};
+use crate::work::Work;
 
 /// What happens while an evaluation runs; called from several threads.
 pub trait Observer: Sync {
@@ -354,10 +355,7 @@ impl Runner<'_> {
             whole: summary,
             views: &views,
             files: &step.files,
-            cancel: self.cancel,
-            progress: &progress,
-            warnings: &warn,
-            share: (0.0, 1.0),
+            work: Work::new(self.cancel).telling(&progress).warning(&warn),
         };
         let work = || stage(&cx, task, &*step.node, step.kind, &needs);
         let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)));

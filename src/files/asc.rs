@@ -243,7 +243,7 @@ fn numbers(
         if text.len() > LONGEST_WORD {
             return Err(Fault::damaged("a word of more than 4096 letters among the numbers"));
         }
-        input.watch.check(offset as f32 / end as f32)?;
+        input.work.step(offset as f32 / end as f32)?;
     }
     if found != total {
         return Err(Fault::Damaged(format!("{found} numbers where {total} should be")));
@@ -374,6 +374,6 @@ fn write(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
         text
     };
     let split = Split::new(sheet.rows, sheet.cols * 9);
-    bands::in_order(&split, &sheet.writing.watch, make, |_, text| out.write_all(&text))?;
+    bands::in_order(&split, &sheet.writing.work, make, |_, text| out.write_all(&text))?;
     Ok(Written { notes: lost.into_iter().collect(), ..Written::default() })
 }

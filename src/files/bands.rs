@@ -8,7 +8,7 @@ use flate2::{Compress, Compression, FlushCompress, Status};
 use rayon::prelude::*;
 
 use super::error::WriteError;
-use super::watch::Watch;
+use crate::work::Work;
 
 /// Bytes of a band before it is pressed: long enough that closing it costs nothing, short enough to share out.
 const BAND_BYTES: usize = 1 << 18;
@@ -70,20 +70,20 @@ impl Split {
 /// Makes something of every band in parallel and takes the results in order, a few bands in memory at a time.
 pub(super) fn in_order<T: Send>(
     split: &Split,
-    watch: &Watch<'_>,
+    work: &Work<'_>,
     make: impl Fn(Band) -> T + Sync,
     mut take: impl FnMut(Band, T) -> io::Result<()>,
 ) -> Result<(), WriteError> {
     let (count, batch) = (split.count(), AT_ONCE * rayon::current_num_threads());
     for first in (0..count).step_by(batch) {
-        watch.check(first as f32 / count as f32)?;
+        work.step(first as f32 / count as f32)?;
         let made: Vec<_> =
             (first..count.min(first + batch)).into_par_iter().map(|i| make(split.band(i))).collect();
         for (i, made) in made.into_iter().enumerate() {
             take(split.band(first + i), made)?;
         }
     }
-    Ok(watch.check(1.0)?)
+    Ok(work.step(1.0)?)
 }
 
 /// Deflates a part of a stream: the parts one after the other are one stream.

@@ -3,8 +3,8 @@
 use std::io;
 
 use super::codec::Codec;
-use super::watch::Stopped;
 use crate::params::did_you_mean;
+use crate::work::Cancelled;
 
 /// Why a height file could not be read, and which file it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -124,14 +124,14 @@ impl From<io::Error> for Fault {
     }
 }
 
-impl From<Stopped> for Fault {
-    fn from(_: Stopped) -> Self {
+impl From<Cancelled> for Fault {
+    fn from(_: Cancelled) -> Self {
         Self::Cancelled
     }
 }
 
-impl From<Stopped> for WriteError {
-    fn from(_: Stopped) -> Self {
+impl From<Cancelled> for WriteError {
+    fn from(_: Cancelled) -> Self {
         Self::Cancelled
     }
 }

@@ -116,7 +116,7 @@ impl Flat {
             input.bytes.read_at(self.skip + j * self.line, &mut row)?;
             let numbers = row.chunks(step).map(|b| self.number.of(&b[..width], self.big));
             data.extend(numbers.map(&of));
-            input.watch.check((j + 1) as f32 / self.rows as f32)?;
+            input.work.step((j + 1) as f32 / self.rows as f32)?;
         }
         Ok(data)
     }

@@ -9,7 +9,7 @@ use super::error::{Fault, ReadError};
 use super::input::{Companion, Input};
 use super::place::Placement;
 use super::reading::Reading;
-use super::watch::Watch;
+use crate::work::Work;
 
 /// The most that a file may claim before memory is taken for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,8 +183,8 @@ pub fn read_height_as(
 ) -> Result<HeightFile, ReadError> {
     let companions: Vec<_> = sidecar.map(|bytes| Companion { name: ".json", bytes }).into_iter().collect();
     let reading = reading.into();
-    let watch = Watch::default();
-    Input { name, bytes: &bytes, companions: &companions, reading: &reading, limits, watch }.read()
+    let work = Work::default();
+    Input { name, bytes: &bytes, companions: &companions, reading: &reading, limits, work }.read()
 }
 
 /// An empty vector with room for some values, or the word that there is none.
@@ -197,12 +197,12 @@ pub(super) fn room<T>(count: usize) -> Result<Vec<T>, Fault> {
 }
 
 /// So many values that are the same, or the word that there is no room for them.
-pub(super) fn filled(count: usize, value: f32, watch: &Watch<'_>) -> Result<Vec<f32>, Fault> {
+pub(super) fn filled(count: usize, value: f32, work: &Work<'_>) -> Result<Vec<f32>, Fault> {
     /// Values between two looks at the signal: fresh memory is slow.
     const PIECE: usize = 1 << 22;
     let mut values = room(count)?;
     while values.len() < count {
-        watch.go_on()?;
+        work.check()?;
         values.resize(count.min(values.len() + PIECE), value);
     }
     Ok(values)

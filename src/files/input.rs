@@ -12,8 +12,8 @@ use super::reading::Reading;
 use super::sidecar::Sidecar;
 use super::suspect::suspects;
 use super::voids::strike;
-use super::watch::Watch;
 use crate::source::{HEAD_BYTES, ReadAt};
+use crate::work::Work;
 
 /// A file that lies beside a height file.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +70,7 @@ pub struct Input<'a> {
     /// The most that it may claim.
     pub limits: &'a Limits,
     /// Who wants to know how far the reading is.
-    pub watch: Watch<'a>,
+    pub work: Work<'a>,
 }
 
 impl<'a> Input<'a> {
@@ -125,10 +125,10 @@ impl<'a> Input<'a> {
 
     fn read_checked(&self) -> Result<HeightFile, Fault> {
         let codec = self.codec()?;
-        self.watch.go_on()?;
+        self.work.check()?;
         (codec.claim)(self)?;
         let mut file = (codec.read)(self)?;
-        self.watch.go_on()?;
+        self.work.check()?;
         // A person's number is the one that the file holds: readers that scale have struck it before they did.
         if file.origin.plain {
             strike(&mut file.data, self.reading.nodata);
@@ -141,7 +141,7 @@ impl<'a> Input<'a> {
         file.data.par_chunks_mut(1 << 16).for_each(|chunk| {
             chunk.iter_mut().filter(|v| !is_height(v)).for_each(|v| *v = f32::NAN);
         });
-        self.watch.go_on()?;
+        self.work.check()?;
         // Files often hold a second mark of voids beside the one that they name: what is left is looked at as well.
         let plain = file.origin.plain;
         let notes = suspects(&file.data, file.metres).into_iter().map(|s| s.note(plain));

@@ -7,9 +7,9 @@ use super::place::Placement;
 use super::placing::{Placed, SNAP};
 use super::reading::Reading;
 use super::voids::fill_voids;
-use super::watch::Watch;
 use crate::kit::spline::{Spline, Tap};
 use crate::units::Metres;
+use crate::work::Work;
 
 /// How voids are closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,10 +84,10 @@ impl Relief {
         request: &Request<'_>,
         bytes: &[u8],
         limits: &Limits,
-        watch: Watch<'_>,
+        work: Work<'_>,
     ) -> Result<Self, ReadError> {
         let Request { name, companions, reading, closing, cubic } = *request;
-        let file = Input { name, bytes: &bytes, companions, reading, limits, watch }.read()?;
+        let file = Input { name, bytes: &bytes, companions, reading, limits, work }.read()?;
         let (cols, rows, mut heights) = (file.cols, file.rows, file.data);
         let any = heights.iter().any(|v| v.is_nan());
         let voids = if any { heights.iter().map(|v| v.is_nan()).collect() } else { Vec::new() };

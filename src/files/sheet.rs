@@ -138,7 +138,7 @@ impl Sheet<'_> {
             block
         };
         let split = Split::new(self.rows, line);
-        bands::in_order(&split, &self.writing.watch, make, |_, block| out.write_all(&block))
+        bands::in_order(&split, &self.writing.work, make, |_, block| out.write_all(&block))
     }
 }
 

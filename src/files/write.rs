@@ -11,8 +11,8 @@ use super::place::{Affine, Anchor, Placement, Units};
 use super::sheet::{Sheet, Sink, unfit};
 use super::sidecar::{Sidecar, Window};
 use super::target::Target;
-use super::watch::Watch;
 use crate::value::{Geo, Grid, Quantity, Terrain, Value};
+use crate::work::Work;
 
 /// Which tile of a build a file is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,20 +46,12 @@ pub struct Writing<'a> {
     /// The engine the file is meant for.
     pub target: Option<Target>,
     /// Who watches.
-    pub watch: Watch<'a>,
+    pub work: Work<'a>,
 }
 
 impl From<Format> for Writing<'_> {
     fn from(format: Format) -> Self {
-        Self {
-            file: "",
-            format,
-            range: None,
-            clip: false,
-            flip: false,
-            target: None,
-            watch: Watch::default(),
-        }
+        Self { file: "", format, range: None, clip: false, flip: false, target: None, work: Work::default() }
     }
 }
 

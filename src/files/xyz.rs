@@ -159,7 +159,7 @@ fn each_point(
         if text.len() > LONGEST_LINE {
             return Err(bad(number_of_line + 1, "has more than 4096 letters"));
         }
-        input.watch.check(share[0] + (share[1] - share[0]) * offset as f32 / end as f32)?;
+        input.work.step(share[0] + (share[1] - share[0]) * offset as f32 / end as f32)?;
     }
     Ok(())
 }
@@ -197,7 +197,7 @@ fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
 fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let Lattice { west, north, step: [dx, dy], cols, rows } = lattice(input)?;
     let (cols, rows) = (cols as usize, rows as usize);
-    let mut data = filled(cols * rows, f32::NAN, &input.watch)?;
+    let mut data = filled(cols * rows, f32::NAN, &input.work)?;
     let (mut again, mut first) = (0u64, None);
     each_point(input, [0.4, 1.0], |line, [x, y, z]| {
         let (u, v) = ((x - west) / dx, (north - y) / dy);

@@ -15,8 +15,9 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::kit::simd::{Kernel, Level};
-use crate::node::{Context, Error, Result};
+use crate::node::{Error, Result};
 use crate::value::{Field, Grid};
+use crate::work::{Cancelled, Work};
 
 /// Widest standard deviation, in cells, that is summed directly; coarser levels work between half of it and it.
 const DIRECT: f64 = 7.0;
@@ -65,7 +66,7 @@ pub fn nanoseconds(window: &Grid, sigma: f64) -> f64 {
 ///
 /// # Errors
 /// [`Error::Cancelled`] when the work was asked to stop; [`Error::Input`] when the input has no sample.
-pub fn gaussian(cx: &Context<'_>, input: &Field, window: Grid, sigma: f64) -> Result<Field> {
+pub fn gaussian(work: &Work<'_>, input: &Field, window: Grid, sigma: f64) -> Result<Field> {
     let sigma = sigma / window.cell();
     if window.is_empty() || sigma < NOTHING {
         return Ok(input.crop(&window));
@@ -76,13 +77,16 @@ pub fn gaussian(cx: &Context<'_>, input: &Field, window: Grid, sigma: f64) -> Re
     let plan = Plan::new(sigma);
     let base = Plane::of(input);
     let out = (Span::columns(&window), Span::rows(&window));
-    let data =
-        if plan.levels == 0 { smooth(cx, base, out, &plan.taps)? } else { pyramid(cx, base, out, &plan)? };
+    let data = if plan.levels == 0 {
+        smooth(work, base, out, &plan.taps)?
+    } else {
+        pyramid(work, base, out, &plan)?
+    };
     Ok(Field::new(window, input.quantity(), data))
 }
 
 /// Down to the coarsest level, the smoothing there, and back.
-fn pyramid(cx: &Context<'_>, base: Plane<'_>, out: (Span, Span), plan: &Plan) -> Result<Vec<f32>> {
+fn pyramid(work: &Work<'_>, base: Plane<'_>, out: (Span, Span), plan: &Plan) -> Result<Vec<f32>> {
     let (cols, rows) = (plan.ladder(out.0), plan.ladder(out.1));
     let at = |level: usize| (cols[level], rows[level]);
     let mut held: Option<(Vec<f32>, (Span, Span))> = None;
@@ -91,7 +95,7 @@ fn pyramid(cx: &Context<'_>, base: Plane<'_>, out: (Span, Span), plan: &Plan) ->
         // Beyond the input all is constant along an axis, and so it is a little beyond its image here.
         let need = (plan.down(cols[plan.levels], level), plan.down(rows[plan.levels], level));
         let span = (need.0.within(from.cols.halved()), need.1.within(from.rows.halved()));
-        let stage = if level == 1 { cx.stage(0.0, 0.4) } else { cx.stage(0.4, 0.5) };
+        let stage = if level == 1 { work.stage(0.0, 0.4) } else { work.stage(0.4, 0.5) };
         held = Some((halve(&stage, from, span)?, span));
     }
     let (mut data, mut span) = held.unwrap_or_default();
@@ -99,9 +103,9 @@ fn pyramid(cx: &Context<'_>, base: Plane<'_>, out: (Span, Span), plan: &Plan) ->
         let next = at(level);
         let from = Plane::new(&data, span);
         data = match level {
-            l if l == plan.levels => smooth(&cx.stage(0.5, 0.55), from, next, &plan.taps)?,
-            0 => double(&cx.stage(0.6, 1.0), from, next)?,
-            _ => double(&cx.stage(0.55, 0.6), from, next)?,
+            l if l == plan.levels => smooth(&work.stage(0.5, 0.55), from, next, &plan.taps)?,
+            0 => double(&work.stage(0.6, 1.0), from, next)?,
+            _ => double(&work.stage(0.55, 0.6), from, next)?,
         };
         span = next;
     }
@@ -269,7 +273,7 @@ fn spread(buffer: &mut [f32], span: Span, inside: Span, fill: impl FnOnce(&mut [
 
 /// Runs `band` on bands of rows of an output in parallel; it gets the first row's index and the rows.
 fn bands(
-    cx: &Context<'_>,
+    work: &Work<'_>,
     (cols, rows): (Span, Span),
     band: impl Fn(i64, &mut [f32]) + Sync,
 ) -> Result<Vec<f32>> {
@@ -278,20 +282,20 @@ fn bands(
     let done = AtomicUsize::new(0);
     let size = ((1 << 16) / width.max(1)).clamp(1, 64);
     data.par_chunks_mut(width.max(1) * size).enumerate().try_for_each(|(b, out)| {
-        cx.check()?;
+        work.check()?;
         band(rows.from + (b * size) as i64, out);
         let finished = done.fetch_add(size, Ordering::Relaxed) + size;
-        cx.report(finished as f32 / height as f32);
-        Ok(())
+        work.report(finished as f32 / height as f32);
+        Ok::<(), Cancelled>(())
     })?;
     Ok(data)
 }
 
 /// Sums columns, then rows, by the weights.
-fn smooth(cx: &Context<'_>, from: Plane<'_>, to: (Span, Span), taps: &[f32]) -> Result<Vec<f32>> {
+fn smooth(work: &Work<'_>, from: Plane<'_>, to: (Span, Span), taps: &[f32]) -> Result<Vec<f32>> {
     let (width, reach) = (to.0.len(), taps.len());
     let across: Vec<[usize; 2]> = (1..=reach).map(|k| [reach - k, reach + k]).collect();
-    bands(cx, to, |first, out| {
+    bands(work, to, |first, out| {
         let mut pairs = Vec::with_capacity(reach);
         let mut buffer = vec![0.0; STRIP.min(width) + 2 * reach];
         for start in (0..width).step_by(STRIP) {
@@ -308,9 +312,9 @@ fn smooth(cx: &Context<'_>, from: Plane<'_>, to: (Span, Span), taps: &[f32]) -> 
 }
 
 /// Filters by 1 4 6 4 1 and keeps every second point.
-fn halve(cx: &Context<'_>, from: Plane<'_>, to: (Span, Span)) -> Result<Vec<f32>> {
+fn halve(work: &Work<'_>, from: Plane<'_>, to: (Span, Span)) -> Result<Vec<f32>> {
     let span = Span { from: 2 * to.0.from - 2, to: 2 * to.0.to + 2 };
-    bands(cx, to, |first, out| {
+    bands(work, to, |first, out| {
         let (mut pairs, mut buffer) = (Vec::with_capacity(2), vec![0.0; span.len()]);
         for (j, row) in out.chunks_mut(to.0.len()).enumerate() {
             from.column_sums(2 * (first + j as i64), &[0.25, 0.0625], span, &mut buffer, &mut pairs);
@@ -320,9 +324,9 @@ fn halve(cx: &Context<'_>, from: Plane<'_>, to: (Span, Span)) -> Result<Vec<f32>
 }
 
 /// Puts a point between every two and filters by 1 4 6 4 1.
-fn double(cx: &Context<'_>, from: Plane<'_>, to: (Span, Span)) -> Result<Vec<f32>> {
+fn double(work: &Work<'_>, from: Plane<'_>, to: (Span, Span)) -> Result<Vec<f32>> {
     let span = to.0.doubled_from();
-    bands(cx, to, |first, out| {
+    bands(work, to, |first, out| {
         let (mut pairs, mut buffer) = (Vec::with_capacity(1), vec![0.0; span.len()]);
         for (j, row) in out.chunks_mut(to.0.len()).enumerate() {
             let index = first + j as i64;

@@ -11,20 +11,12 @@
 
 use super::math::{DEGREES, atan2, compass, within};
 use super::shifted::Shifted;
-use crate::node::{Context, Cost, Reach, Result};
+use crate::node::{Cost, Reach, Result};
 use crate::units::Metres;
 use crate::value::{Field, Grid};
 
 /// Steeper than any ground, and small enough that products of six such numbers are finite.
 const STEEPEST: f32 = 1e6;
-
-/// The scale a node works at: its own, or the base cell.
-///
-/// # Errors
-/// When there is none and the kind does not declare [`crate::node::Reads::BASE`].
-pub fn scale(cx: &Context<'_>, own: Option<Metres>) -> Result<f64> {
-    own.map_or_else(|| cx.base_cell(), |m| Ok(m.0))
-}
 
 /// The window of the input that derivatives on a window need, at a scale of one's own or at the base cell.
 pub fn footprint(window: &Grid, scale: Option<Metres>, base_cell: f64) -> Grid {

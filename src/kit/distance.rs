@@ -6,8 +6,9 @@
 
 use rayon::prelude::*;
 
-use crate::node::{Context, Result};
-use crate::value::{Field, Grid, Quantity};
+use crate::node::Result;
+use crate::value::{Field, Grid, Quantity, fill};
+use crate::work::{Cancelled, Work};
 
 /// Columns that one task sweeps: a few cache lines of every row.
 const STRIP: usize = 64;
@@ -32,21 +33,21 @@ pub fn scratch(grid: &Grid, limit: f64) -> u64 {
 /// # Errors
 /// When the work was asked to stop.
 pub fn to_set(
-    cx: &Context<'_>,
+    work: &Work<'_>,
     field: &Field,
     grid: &Grid,
     limit: f64,
     set: impl Fn(f32) -> bool + Sync,
 ) -> Result<Field> {
     let reach = reach(limit, grid.cell());
-    let columns = Columns::sweep(&cx.stage(0.0, 0.3), field, grid, reach, set)?;
+    let columns = Columns::sweep(&work.stage(0.0, 0.3), field, grid, reach, set)?;
     let cell = grid.cell();
-    cx.stage(0.3, 1.0).fill_on(*grid, Quantity::Length, |row, out| {
+    Ok(fill(&work.stage(0.3, 1.0), *grid, Quantity::Length, |row, out| {
         let mut line = Vec::new();
         columns.row(row.j, &mut line);
         let metres = |squared: i64| ((squared as f64).sqrt() * cell).min(limit) as f32;
         lower_envelope(&line, reach, out, |squared| squared.map_or(limit as f32, metres));
-    })
+    })?)
 }
 
 /// For each sample, the distance in cells to the nearest one of the set in its own column.
@@ -59,7 +60,7 @@ struct Columns {
 
 impl Columns {
     fn sweep(
-        cx: &Context<'_>,
+        work: &Work<'_>,
         field: &Field,
         grid: &Grid,
         reach: i64,
@@ -68,11 +69,11 @@ impl Columns {
         let cols = grid.cols + 2 * reach as usize;
         let mut cells = vec![0; cols.div_ceil(STRIP) * STRIP * grid.rows];
         cells.par_chunks_mut(STRIP * grid.rows.max(1)).enumerate().try_for_each(|(s, strip)| {
-            cx.check()?;
+            work.check()?;
             sweep_strip(field, grid, reach, grid.col - reach + (s * STRIP) as i64, strip, &set);
-            Ok(())
+            Ok::<(), Cancelled>(())
         })?;
-        cx.report(1.0);
+        work.report(1.0);
         Ok(Self { cells, rows: grid.rows, cols })
     }
 

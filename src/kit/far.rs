@@ -13,8 +13,9 @@ mod lines;
 
 use self::lines::{Columns, Lines, columns_scale, stride};
 use super::morphology;
-use crate::node::{Context, Error, Result};
+use crate::node::{Error, Result};
 use crate::value::{Field, Grid, Lattice, Raster};
+use crate::work::Work;
 
 /// The part of each level that a window needs, before anything is read.
 #[derive(Clone, Debug)]
@@ -194,7 +195,7 @@ impl Far {
     /// # Errors
     /// When the field does not stand on the base grid, or the work was asked to stop.
     pub fn new(
-        cx: &Context<'_>,
+        work: &Work<'_>,
         port: &'static str,
         field: Field,
         window: &Grid,
@@ -211,11 +212,11 @@ impl Far {
         let (mut lines, mut level_field) = (Vec::new(), field);
         let count = parts.len() as f32;
         for (level, part) in parts.into_iter().enumerate() {
-            let cx = cx.stage(level as f32 / count, (level + 1) as f32 / count);
+            let work = work.stage(level as f32 / count, (level + 1) as f32 / count);
             if level > 0 {
-                level_field = smooth(&cx, port, &level_field, &extents.levels[level], level)?;
+                level_field = smooth(&work, port, &level_field, &extents.levels[level], level)?;
             }
-            let drawn = part.map(|part| Lines::new(&cx, &level_field, spacing(level), part, scale));
+            let drawn = part.map(|part| Lines::new(&work, &level_field, spacing(level), part, scale));
             lines.push(drawn.transpose()?);
         }
         Ok(Self { lines, columns: Columns::new(window, scale), cols: window.cols, scale })
@@ -297,9 +298,9 @@ fn beyond(scratch: &mut Vec<f32>, n: usize, value: impl Fn(usize, usize) -> f32)
 }
 
 /// A level from the one below.
-fn smooth(cx: &Context<'_>, port: &'static str, below: &Field, grid: &Grid, level: usize) -> Result<Field> {
+fn smooth(work: &Work<'_>, port: &'static str, below: &Field, grid: &Grid, level: usize) -> Result<Field> {
     let (factor, step) = steps(level);
-    let fine = morphology::blend(cx, port, below, &smoothed(grid, level), &[(step, 0.25)])?;
+    let fine = morphology::blend(work, port, below, &smoothed(grid, level), &[(step, 0.25)])?;
     if factor == 1 {
         return Ok(fine);
     }

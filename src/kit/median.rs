@@ -12,8 +12,9 @@
 use rayon::prelude::*;
 
 use crate::kit::sample::catmull_rom;
-use crate::node::{Context, Error, Result};
-use crate::value::{Field, Grid};
+use crate::node::{Error, Result};
+use crate::value::{Field, Grid, fill};
+use crate::work::{Cancelled, Work};
 
 /// Widest radius, in cells, at which every point gets a median of its own.
 pub const FINE: f64 = 32.0;
@@ -109,7 +110,7 @@ pub fn nanoseconds(window: &Grid, radius: f64) -> f64 {
 ///
 /// # Errors
 /// [`Error::Cancelled`] when the work was asked to stop; [`Error::Input`] when the input has no sample.
-pub fn disk(cx: &Context<'_>, input: &Field, window: Grid, radius: f64) -> Result<Field> {
+pub fn disk(work: &Work<'_>, input: &Field, window: Grid, radius: f64) -> Result<Field> {
     let plan = Plan::new(radius / window.cell());
     if window.is_empty() || plan.reach() == 0 {
         return Ok(input.crop(&window));
@@ -120,15 +121,15 @@ pub fn disk(cx: &Context<'_>, input: &Field, window: Grid, radius: f64) -> Resul
     let cols = plan.centers(window.col, window.col_end());
     let rows = plan.centers(window.row, window.row_end());
     if plan.step() == 1 {
-        let data = medians(cx, input, &plan, cols, rows)?;
+        let data = medians(work, input, &plan, cols, rows)?;
         return Ok(Field::new(window, input.quantity(), data));
     }
-    let coarse = medians(&cx.stage(0.0, 0.9), input, &plan, cols, rows)?;
-    between(&cx.stage(0.9, 1.0), &coarse, &plan, [cols[0], rows[0]], window, input)
+    let coarse = medians(&work.stage(0.0, 0.9), input, &plan, cols, rows)?;
+    between(&work.stage(0.9, 1.0), &coarse, &plan, [cols[0], rows[0]], window, input)
 }
 
 /// The medians at all centres, row by row.
-fn medians(cx: &Context<'_>, input: &Field, plan: &Plan, cols: [i64; 2], rows: [i64; 2]) -> Result<Vec<f32>> {
+fn medians(work: &Work<'_>, input: &Field, plan: &Plan, cols: [i64; 2], rows: [i64; 2]) -> Result<Vec<f32>> {
     let (width, height) = ((cols[1] - cols[0] + 1) as usize, (rows[1] - rows[0] + 1) as usize);
     let block = plan.block() as usize;
     let mut out = vec![0.0; width * height];
@@ -136,7 +137,7 @@ fn medians(cx: &Context<'_>, input: &Field, plan: &Plan, cols: [i64; 2], rows: [
     out.par_chunks_mut(width * block).enumerate().try_for_each(|(b, band)| {
         let mut counter = Counter::new(*plan);
         for start in (0..width).step_by(block) {
-            cx.check()?;
+            work.check()?;
             let n = block.min(width - start);
             let first = [cols[0] + start as i64, rows[0] + (b * block) as i64];
             counter.load(input, first);
@@ -145,8 +146,8 @@ fn medians(cx: &Context<'_>, input: &Field, plan: &Plan, cols: [i64; 2], rows: [
             }
         }
         let finished = done.fetch_add(band.len(), std::sync::atomic::Ordering::Relaxed) + band.len();
-        cx.report(finished as f32 / (width * height) as f32);
-        Ok(())
+        work.report(finished as f32 / (width * height) as f32);
+        Ok::<(), Cancelled>(())
     })?;
     Ok(out)
 }
@@ -291,7 +292,7 @@ fn from_ordered(bits: u32) -> f32 {
 
 /// Runs a spline between medians that stand on every `step`-th point of the lattice.
 fn between(
-    cx: &Context<'_>,
+    work: &Work<'_>,
     coarse: &[f32],
     plan: &Plan,
     first: [i64; 2],
@@ -307,7 +308,7 @@ fn between(
         let before = at.div_euclid(step);
         ((before - 1 - first) as usize, (at - before * step) as f32 / step as f32)
     };
-    cx.fill_on(window, input.quantity(), |row, out| {
+    Ok(fill(work, window, input.quantity(), |row, out| {
         let (j, t) = place(row.row, first[1]);
         let lines: [&[f32]; 4] = [0, 1, 2, 3].map(|k| &coarse[(j + k) * width..][..width]);
         for (i, o) in out.iter_mut().enumerate() {
@@ -318,5 +319,5 @@ fn between(
             let (lo, hi) = all.iter().fold((f32::MAX, f32::MIN), |(a, b), &v| (a.min(v), b.max(v)));
             *o = value.max(lo).min(hi);
         }
-    })
+    })?)
 }

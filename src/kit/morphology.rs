@@ -8,8 +8,9 @@ use rayon::prelude::*;
 
 use super::math::within;
 use super::shifted::Shifted;
-use crate::node::{Context, Result};
-use crate::value::{Field, Grid, Raster};
+use crate::node::Result;
+use crate::value::{Field, Grid, Raster, fill};
+use crate::work::{Cancelled, Work};
 
 /// Rows that one task fills: enough to share the runs of a row, few enough to spread and to stop soon.
 const BAND: usize = 32;
@@ -53,7 +54,7 @@ pub fn scratch(grid: &Grid, radius: f64) -> u64 {
 /// # Errors
 /// When the field stands on another lattice, or the work was asked to stop.
 pub fn disk(
-    cx: &Context<'_>,
+    work: &Work<'_>,
     port: &'static str,
     field: &Field,
     grid: &Grid,
@@ -61,8 +62,8 @@ pub fn disk(
     keep: Keep,
 ) -> Result<Field> {
     match keep {
-        Keep::Largest => sweep(cx, port, field, grid, radius, |a, b| if a > b { a } else { b }),
-        Keep::Smallest => sweep(cx, port, field, grid, radius, |a, b| if a < b { a } else { b }),
+        Keep::Largest => sweep(work, port, field, grid, radius, |a, b| if a > b { a } else { b }),
+        Keep::Smallest => sweep(work, port, field, grid, radius, |a, b| if a < b { a } else { b }),
     }
 }
 
@@ -75,7 +76,7 @@ fn chords(radius: f64, cell: f64) -> Vec<usize> {
 }
 
 fn sweep(
-    cx: &Context<'_>,
+    work: &Work<'_>,
     port: &'static str,
     field: &Field,
     grid: &Grid,
@@ -93,7 +94,7 @@ fn sweep(
         let count = (band.len() / grid.cols) as i64;
         let mut runs = Vec::new();
         for source in -reach..count + reach {
-            cx.check()?;
+            work.check()?;
             doubled_runs(&rows.line(0, [0, first + source]), 2 * chords[0] + 1, pick, &mut runs);
             for target in (source - reach).max(0)..(source + reach + 1).min(count) {
                 let out = &mut band[target as usize * grid.cols..][..grid.cols];
@@ -104,8 +105,8 @@ fn sweep(
             }
         }
         let finished = done.fetch_add(count as usize, std::sync::atomic::Ordering::Relaxed) + count as usize;
-        cx.report(finished as f32 / grid.rows as f32);
-        Ok(())
+        work.report(finished as f32 / grid.rows as f32);
+        Ok::<(), Cancelled>(())
     })?;
     Ok(Raster::new(*grid, field.quantity(), data))
 }
@@ -148,8 +149,8 @@ fn under_chord(
 ///
 /// # Errors
 /// When the field stands on another lattice, or the work was asked to stop.
-pub fn soften(cx: &Context<'_>, port: &'static str, field: &Field, grid: &Grid, width: f64) -> Result<Field> {
-    blend(cx, port, field, grid, &bump(width, grid.cell()))
+pub fn soften(work: &Work<'_>, port: &'static str, field: &Field, grid: &Grid, width: f64) -> Result<Field> {
+    blend(work, port, field, grid, &bump(width, grid.cell()))
 }
 
 /// Blends every sample with others along each axis: each pair of a distance in cells and a weight adds the weighted
@@ -158,7 +159,7 @@ pub fn soften(cx: &Context<'_>, port: &'static str, field: &Field, grid: &Grid, 
 /// # Errors
 /// When the field stands on another lattice, or the work was asked to stop.
 pub fn blend(
-    cx: &Context<'_>,
+    work: &Work<'_>,
     port: &'static str,
     field: &Field,
     grid: &Grid,
@@ -166,9 +167,9 @@ pub fn blend(
 ) -> Result<Field> {
     let Some(reach) = weights.iter().map(|w| w.0).max() else { return Ok(field.crop(grid)) };
     let tall = Grid { row: grid.row - reach, rows: grid.rows + 2 * reach as usize, ..*grid };
-    let along = |cx: &Context<'_>, field: &Field, grid: Grid, axis: [i64; 2]| {
+    let along = |work: &Work<'_>, field: &Field, grid: Grid, axis: [i64; 2]| -> Result<Field> {
         let rows = Shifted::new(port, field, &grid)?;
-        cx.fill_on(grid, field.quantity(), |row, out| {
+        Ok(fill(work, grid, field.quantity(), |row, out| {
             let here = rows.line(row.j, [0, 0]);
             out.copy_from_slice(&here);
             for &(d, weight) in weights {
@@ -180,10 +181,10 @@ pub fn blend(
             }
             // Differences of huge numbers may leave the range of f32.
             out.iter_mut().for_each(|o| *o = within(*o, f32::MAX));
-        })
+        })?)
     };
-    let rows = along(&cx.stage(0.0, 0.5), field, tall, [1, 0])?;
-    along(&cx.stage(0.5, 1.0), &rows, *grid, [0, 1])
+    let rows = along(&work.stage(0.0, 0.5), field, tall, [1, 0])?;
+    along(&work.stage(0.5, 1.0), &rows, *grid, [0, 1])
 }
 
 /// Weights of the bump 1, 2, … cells away, for a sum of 1 with the middle.

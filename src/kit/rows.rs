@@ -1,8 +1,8 @@
 //! Working through fields row by row where they lie, without cutting windows out of larger ones first.
 
 use crate::kit::simd::{Kernel, Level};
-use crate::node::{Context, Result, Row};
-use crate::value::{Field, Grid, Quantity};
+use crate::value::{Field, Grid, Quantity, Row, fill};
+use crate::work::{Cancelled, Work};
 
 /// The part of a field that stands on a window, read in place where the field covers the window.
 #[derive(Clone, Debug)]
@@ -29,34 +29,36 @@ impl Rows {
     }
 }
 
-/// Applies a function to every sample on the context's grid.
+/// Applies a function to every sample on a grid.
 ///
 /// # Errors
-/// [`crate::node::Error::Cancelled`] when the work was asked to stop.
+/// [`Cancelled`] when the work was asked to stop.
 pub fn map(
-    cx: &Context<'_>,
+    work: &Work<'_>,
+    grid: &Grid,
     field: &Field,
     quantity: Quantity,
     f: impl Fn(f32) -> f32 + Sync,
-) -> Result<Field> {
-    let rows = Rows::of(field, &cx.grid);
-    cx.fill(quantity, |row: Row, out| {
+) -> Result<Field, Cancelled> {
+    let rows = Rows::of(field, grid);
+    fill(work, *grid, quantity, |row: Row, out| {
         Level::best().run(Mapped { out, from: rows.at(row.row), f: &f });
     })
 }
 
-/// Applies a function to every pair of samples on the context's grid.
+/// Applies a function to every pair of samples on a grid.
 ///
 /// # Errors
-/// [`crate::node::Error::Cancelled`] when the work was asked to stop.
+/// [`Cancelled`] when the work was asked to stop.
 pub fn zip(
-    cx: &Context<'_>,
+    work: &Work<'_>,
+    grid: &Grid,
     [a, b]: [&Field; 2],
     quantity: Quantity,
     f: impl Fn(f32, f32) -> f32 + Sync,
-) -> Result<Field> {
-    let (a, b) = (Rows::of(a, &cx.grid), Rows::of(b, &cx.grid));
-    cx.fill(quantity, |row: Row, out| {
+) -> Result<Field, Cancelled> {
+    let (a, b) = (Rows::of(a, grid), Rows::of(b, grid));
+    fill(work, *grid, quantity, |row: Row, out| {
         Level::best().run(Zipped { out, from: [a.at(row.row), b.at(row.row)], f: &f });
     })
 }

@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use crate::node::{Context, Result, Summary};
 use crate::value::Field;
 
 /// Lowest and highest value, after leaving out the share `clip` of all samples at either end; 0 and 0 of nothing.
@@ -22,24 +21,6 @@ pub fn range(field: &Field, clip: f64) -> [f64; 2] {
         None => lo,
     };
     [f64::from(lo), f64::from(hi)]
-}
-
-/// A [`Summary`] of two numbers: the [`range`] of a field on the context's grid.
-///
-/// # Errors
-/// [`crate::node::Error::Cancelled`] when the work was asked to stop.
-pub fn range_summary(cx: &Context<'_>, field: &Field, clip: f64) -> Result<Summary> {
-    cx.check()?;
-    Ok(Summary(range(&field.crop(&cx.grid), clip).into()))
-}
-
-/// The range that [`range_summary`] found.
-///
-/// # Errors
-/// When the node asked for no summary.
-pub fn summary_range(cx: &Context<'_>) -> Result<[f64; 2]> {
-    let numbers = &cx.summary()?.0;
-    Ok([numbers.first().copied().unwrap_or(0.0), numbers.get(1).copied().unwrap_or(0.0)])
 }
 
 /// How many samples fall into each of some equal bins from `lo` to `hi`; what lies beyond counts to the end bins.

@@ -2,12 +2,13 @@
 
 use super::horizon::SkyView;
 use super::light::Lamp;
+use super::material;
 use super::plane::Plane;
 use super::surface::Surface;
 use super::trace::{Ray, Tracer};
-use super::{Watch, material};
 use crate::kit::hash;
 use crate::node::Result;
+use crate::work::Work;
 
 /// Thickness below the lowest sample, as a share of the longer side.
 const THICKNESS: f64 = 0.035;
@@ -40,13 +41,13 @@ pub(super) struct Block {
 }
 
 impl Block {
-    pub(super) fn new(surface: &Surface, to_sun: [f64; 2], watch: &Watch<'_>) -> Result<Self> {
+    pub(super) fn new(surface: &Surface, to_sun: [f64; 2], work: &Work<'_>) -> Result<Self> {
         let (extent, base) = (surface.extent(), base(surface));
         let longer = extent[0].max(extent[1]);
         let cell = 3.0 * longer / (FLOOR_GRID - 1) as f64;
         let corner = extent.map(|side| (side - 3.0 * longer) * 0.5);
         let top = surface.top();
-        let z: Plane<f32> = Plane::fill(watch, [FLOOR_GRID; 2], |j, out| {
+        let z: Plane<f32> = Plane::fill(work, [FLOOR_GRID; 2], |j, out| {
             let y = corner[1] + j as f64 * cell;
             for (i, out) in out.iter_mut().enumerate() {
                 let x = corner[0] + i as f64 * cell;
@@ -55,7 +56,7 @@ impl Block {
                 *out = if inside { height() } else { 0.0 };
             }
         })?;
-        let view = SkyView::new(&z, cell, to_sun, watch)?;
+        let view = SkyView::new(&z, cell, to_sun, work)?;
         Ok(Self { base, view, corner, cell, extent })
     }
 

@@ -4,9 +4,10 @@
 //! light; the horizon of a sample is the tangent from it to the hull, found in constant time on average, so that a
 //! sweep costs the same however long the shadows are \[timonen2010\].
 
+use super::Sun;
 use super::plane::{Plane, resampled};
-use super::{Sun, Watch};
 use crate::node::Result;
+use crate::work::Work;
 
 /// Directions in which the sky is looked at.
 const DIRECTIONS: usize = 16;
@@ -16,7 +17,7 @@ pub(super) const SKY_GRID: usize = 1280;
 const SUN_RADIUS: f64 = 0.55;
 
 /// The share of the sun that each sample sees, 0 to 1.
-pub(super) fn sun_share(z: &Plane<f32>, cell: f64, sun: Sun, watch: &Watch<'_>) -> Result<Plane<f32>> {
+pub(super) fn sun_share(z: &Plane<f32>, cell: f64, sun: Sun, work: &Work<'_>) -> Result<Plane<f32>> {
     let tangent = |degrees: f64| libm::tan(degrees.clamp(0.05, 89.9).to_radians()) as f32;
     let (low, high) = (tangent(sun.altitude - SUN_RADIUS), tangent(sun.altitude + SUN_RADIUS));
     let share = |horizon: f32| {
@@ -24,7 +25,7 @@ pub(super) fn sun_share(z: &Plane<f32>, cell: f64, sun: Sun, watch: &Watch<'_>) 
         u * u * (3.0 - 2.0 * u)
     };
     let azimuth = sun.azimuth.to_radians();
-    sweep(z, cell, [libm::sin(azimuth), -libm::cos(azimuth)], share, watch)
+    sweep(z, cell, [libm::sin(azimuth), -libm::cos(azimuth)], share, work)
 }
 
 /// What each sample sees of the sky, made ready for any normal.
@@ -37,22 +38,22 @@ pub(super) struct SkyView {
 
 impl SkyView {
     /// Looks around from every sample. Light from the side of `to_sun` weighs more, as the sky is brighter there.
-    pub(super) fn new(z: &Plane<f32>, cell: f64, to_sun: [f64; 2], watch: &Watch<'_>) -> Result<Self> {
+    pub(super) fn new(z: &Plane<f32>, cell: f64, to_sun: [f64; 2], work: &Work<'_>) -> Result<Self> {
         let size = super::surface::working_grid([z.cols, z.rows], SKY_GRID);
         let coarse;
         let (plane, cell) = if size == [z.cols, z.rows] {
             (z, cell)
         } else {
-            coarse = resampled(&watch.stage(0.0, 0.1), &z.data, [z.cols, z.rows], size)?;
+            coarse = resampled(&work.stage(0.0, 0.1), &z.data, [z.cols, z.rows], size)?;
             (&coarse, cell * z.cols as f64 / size[0] as f64)
         };
         let mut sum = vec![[0.0f32; 3]; plane.data.len()];
         let weights = sector_weights(to_sun);
         for (n, (direction, weight)) in weights.into_iter().enumerate() {
             let at = |k: usize| 0.1 + 0.9 * k as f32 / DIRECTIONS as f32;
-            let horizon = sweep(plane, cell, direction, |t| t, &watch.stage(at(n), at(n + 1)))?;
+            let horizon = sweep(plane, cell, direction, |t| t, &work.stage(at(n), at(n + 1)))?;
             let [east, south] = direction.map(|x| x as f32);
-            watch.stage(at(n + 1), at(n + 1)).rows(&mut sum, plane.cols, |j, row| {
+            work.stage(at(n + 1), at(n + 1)).rows(&mut sum, plane.cols, 1, |j, row| {
                 for (sum, &tangent) in row.iter_mut().zip(horizon.row(j)) {
                     let [upward, outward] = sector(tangent);
                     sum[0] += weight * upward;
@@ -117,14 +118,14 @@ fn sweep(
     cell: f64,
     [east, south]: [f64; 2],
     f: impl Fn(f32) -> f32 + Sync,
-    watch: &Watch<'_>,
+    work: &Work<'_>,
 ) -> Result<Plane<f32>> {
     if east.abs() >= south.abs() {
-        return sweep_rows(z, cell, south / east, east > 0.0, f, watch);
+        return sweep_rows(z, cell, south / east, east > 0.0, f, work);
     }
-    let turned = z.transposed(&watch.stage(0.0, 0.1))?;
-    let swept = sweep_rows(&turned, cell, east / south, south > 0.0, f, &watch.stage(0.1, 0.9))?;
-    swept.transposed(&watch.stage(0.9, 1.0))
+    let turned = z.transposed(&work.stage(0.0, 0.1))?;
+    let swept = sweep_rows(&turned, cell, east / south, south > 0.0, f, &work.stage(0.1, 0.9))?;
+    swept.transposed(&work.stage(0.9, 1.0))
 }
 
 /// A sweep along lines `y = k + shear · x`, |shear| at most 1, towards rising x or towards falling x.
@@ -134,7 +135,7 @@ fn sweep_rows(
     shear: f64,
     rising: bool,
     f: impl Fn(f32) -> f32 + Sync,
-    watch: &Watch<'_>,
+    work: &Work<'_>,
 ) -> Result<Plane<f32>> {
     let (cols, rows) = (z.cols, z.rows);
     let drop = shear * (cols - 1) as f64;
@@ -143,23 +144,22 @@ fn sweep_rows(
     let last = (rows as f64 - drop.min(0.0)).ceil() as i64 + 1;
     let step = (cell * (1.0 + shear * shear).sqrt()) as f32;
     let y_at = |k: i64, x: usize| k as f64 + shear * x as f64;
-    let lines =
-        Plane::fill(&watch.stage(0.0, 0.8), [cols, (last - first) as usize], |n, out: &mut [f32]| {
-            let k = first + n as i64;
-            let mut hull: Vec<[f32; 2]> = Vec::with_capacity(64);
-            for n in 0..cols {
-                let x = if rising { cols - 1 - n } else { n };
-                let y = y_at(k, x);
-                if y <= -1.0 || y >= rows as f64 {
-                    continue;
-                }
-                let y = y.clamp(0.0, (rows - 1) as f64);
-                let (j, v) = ((y as usize).min(rows - 2), (y - (y as usize).min(rows - 2) as f64) as f32);
-                let height = z.row(j)[x] + v * (z.row(j + 1)[x] - z.row(j)[x]);
-                out[x] = f(horizon(&mut hull, [n as f32 * step, height]));
+    let lines = Plane::fill(&work.stage(0.0, 0.8), [cols, (last - first) as usize], |n, out: &mut [f32]| {
+        let k = first + n as i64;
+        let mut hull: Vec<[f32; 2]> = Vec::with_capacity(64);
+        for n in 0..cols {
+            let x = if rising { cols - 1 - n } else { n };
+            let y = y_at(k, x);
+            if y <= -1.0 || y >= rows as f64 {
+                continue;
             }
-        })?;
-    Plane::fill(&watch.stage(0.8, 1.0), [cols, rows], |j, out: &mut [f32]| {
+            let y = y.clamp(0.0, (rows - 1) as f64);
+            let (j, v) = ((y as usize).min(rows - 2), (y - (y as usize).min(rows - 2) as f64) as f32);
+            let height = z.row(j)[x] + v * (z.row(j + 1)[x] - z.row(j)[x]);
+            out[x] = f(horizon(&mut hull, [n as f32 * step, height]));
+        }
+    })?;
+    Plane::fill(&work.stage(0.8, 1.0), [cols, rows], |j, out: &mut [f32]| {
         for (x, out) in out.iter_mut().enumerate() {
             let place = j as f64 - shear * x as f64;
             let k = place.floor();
@@ -216,7 +216,7 @@ mod tests {
         for (east, south) in [(1i64, 0i64), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1)] {
             let length = ((east * east + south * south) as f64).sqrt();
             let direction = [east as f64 / length, south as f64 / length];
-            let found = sweep(&z, 5.0, direction, |t| t, &Watch::quiet(&cancel)).unwrap();
+            let found = sweep(&z, 5.0, direction, |t| t, &Work::new(&cancel)).unwrap();
             for (j, i) in (0..17i64).flat_map(|j| (0..23i64).map(move |i| (j, i))) {
                 let mut want = 0.0f32;
                 for n in 1.. {
@@ -244,7 +244,7 @@ mod tests {
         let (n, slope) = (201, 0.7f32);
         let data = (0..n * n).map(|i| (i % n) as f32 * slope).collect();
         let z = Plane { cols: n, rows: n, data };
-        let view = SkyView::new(&z, 1.0, [0.0, 0.0], &Watch::quiet(&cancel)).unwrap();
+        let view = SkyView::new(&z, 1.0, [0.0, 0.0], &Work::new(&cancel)).unwrap();
         let [light, _] = view.light(n / 2, n / 2, Surface::normal(&z, 1.0, n / 2, n / 2));
         let want = 0.5 + 0.5 / (1.0 + slope * slope).sqrt();
         assert!((light - want).abs() < 0.01, "{light}, not {want}");
@@ -253,13 +253,13 @@ mod tests {
     #[test]
     fn level_ground_sees_all_and_a_pit_little() {
         let cancel = Cancel::default();
-        let watch = Watch::quiet(&cancel);
+        let work = Work::new(&cancel);
         let mut z = Plane { cols: 65, rows: 65, data: vec![0.0f32; 65 * 65] };
-        let open = SkyView::new(&z, 1.0, [0.6, 0.3], &watch).unwrap().light(32, 32, [0.0, 0.0, 1.0]);
+        let open = SkyView::new(&z, 1.0, [0.6, 0.3], &work).unwrap().light(32, 32, [0.0, 0.0, 1.0]);
         assert!((open[0] - 1.0).abs() < 1e-3, "{open:?}");
         z.data.iter_mut().for_each(|z| *z = 50.0);
         z.data[32 * 65 + 32] = 0.0;
-        let pit = SkyView::new(&z, 1.0, [0.6, 0.3], &watch).unwrap().light(32, 32, [0.0, 0.0, 1.0]);
+        let pit = SkyView::new(&z, 1.0, [0.6, 0.3], &work).unwrap().light(32, 32, [0.0, 0.0, 1.0]);
         assert!(pit[0] < 0.01, "{pit:?}");
     }
 }

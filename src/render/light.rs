@@ -1,13 +1,14 @@
 //! The light that the ground sends out: the same in every direction, so that map and perspective share it.
 
+use super::Scene;
 use super::horizon::{SkyView, sun_share};
 use super::material::Material;
 use super::plane::Plane;
 use super::sky::Sky;
 use super::surface::Surface;
 use super::water::Water;
-use super::{Scene, Watch};
 use crate::node::Result;
+use crate::work::Work;
 
 /// The share of light that the land around sends into hollows which the sky does not reach.
 const BOUNCE: f32 = 0.22;
@@ -21,15 +22,15 @@ pub(super) struct Lit {
 }
 
 impl Lit {
-    pub(super) fn new(scene: &Scene<'_>, surface: &Surface, sky: &Sky, watch: &Watch<'_>) -> Result<Self> {
+    pub(super) fn new(scene: &Scene<'_>, surface: &Surface, sky: &Sky, work: &Work<'_>) -> Result<Self> {
         let (z, cell) = (surface.top(), surface.cell);
-        let sun = sun_share(z, cell, scene.sun, &watch.stage(0.0, 0.15))?;
+        let sun = sun_share(z, cell, scene.sun, &work.stage(0.0, 0.15))?;
         let towards = [sky.to_sun[0], sky.to_sun[1]];
-        let view = SkyView::new(z, cell, towards, &watch.stage(0.15, 0.8))?;
-        let material = Material::new(scene, surface, &watch.stage(0.8, 0.84))?;
-        let water = Water::new(surface, &watch.stage(0.84, 0.88))?;
+        let view = SkyView::new(z, cell, towards, &work.stage(0.15, 0.8))?;
+        let material = Material::new(scene, surface, &work.stage(0.8, 0.84))?;
+        let water = Water::new(surface, &work.stage(0.84, 0.88))?;
         let lamp = Lamp { sky, shadow: scene.shadow as f32 };
-        let color = Plane::fill(&watch.stage(0.88, 1.0), [z.cols, z.rows], |j, out: &mut [[f32; 3]]| {
+        let color = Plane::fill(&work.stage(0.88, 1.0), [z.cols, z.rows], |j, out: &mut [[f32; 3]]| {
             for (i, out) in out.iter_mut().enumerate() {
                 let ground = surface.z.row(j)[i];
                 let wet = water.as_ref().filter(|water| ground <= water.level);

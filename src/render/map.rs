@@ -5,8 +5,9 @@ use super::picture::{Picture, developed, encoded};
 use super::plane::{Plane, resampled};
 use super::sky::Sky;
 use super::surface::{Surface, working_grid};
-use super::{MAX_PIXELS, Scene, Watch, picture_side};
+use super::{MAX_PIXELS, Scene, picture_side};
 use crate::node::Result;
+use crate::work::Work;
 
 /// Draws the terrain from above, north up: sun, cast shadows, light of the sky, water.
 ///
@@ -16,25 +17,25 @@ use crate::node::Result;
 /// # Errors
 /// When a setting is out of range, the field has fewer than 2 x 2 samples or a number that is not finite, or
 /// the work was cancelled.
-pub fn map(scene: &Scene<'_>, width: Option<usize>, watch: &Watch<'_>) -> Result<Picture> {
+pub fn map(scene: &Scene<'_>, width: Option<usize>, work: &Work<'_>) -> Result<Picture> {
     scene.check()?;
     let grid = scene.height.grid();
     width.map_or(Ok(()), |width| picture_side("width", width))?;
-    let (size, work) = sizes([grid.cols, grid.rows], width);
-    let surface = Surface::new(scene, work, &watch.stage(0.0, 0.1))?;
+    let (size, fine) = sizes([grid.cols, grid.rows], width);
+    let surface = Surface::new(scene, fine, &work.stage(0.0, 0.1))?;
     let sky = Sky::new(scene.sun, scene.exposure);
-    let mut lit = Lit::new(scene, &surface, &sky, &watch.stage(0.1, 0.9))?;
+    let mut lit = Lit::new(scene, &surface, &sky, &work.stage(0.1, 0.9))?;
     if let Some(step) = scene.contours {
         let step = (step * scene.exaggeration) as f32;
         let lines =
-            Contours { z: &surface.z, step, lowest: lowest(scene), pixel: work[0] as f32 / size[0] as f32 };
-        lines.draw(&mut lit.color, &watch.stage(0.9, 0.92))?;
+            Contours { z: &surface.z, step, lowest: lowest(scene), pixel: fine[0] as f32 / size[0] as f32 };
+        lines.draw(&mut lit.color, &work.stage(0.9, 0.92))?;
     }
     // Averaged as the screen shows it, so that edges of bright areas stay smooth.
-    watch.stage(0.92, 0.95).rows(&mut lit.color.data, work[0], |_, row| {
+    work.stage(0.92, 0.95).rows(&mut lit.color.data, fine[0], 1, |_, row| {
         row.iter_mut().for_each(|light| *light = developed(*light));
     })?;
-    let screen = resampled(&watch.stage(0.95, 1.0), &lit.color.data, work, size)?;
+    let screen = resampled(&work.stage(0.95, 1.0), &lit.color.data, fine, size)?;
     let rgb = screen.data.iter().map(|&light| encoded(light, 0.0)).collect();
     Ok(Picture { width: size[0], height: size[1], rgb })
 }
@@ -72,15 +73,15 @@ struct Contours<'a> {
 impl Contours<'_> {
     const INK: [f32; 3] = [0.055, 0.035, 0.02];
 
-    fn draw(&self, light: &mut Plane<[f32; 3]>, watch: &Watch<'_>) -> Result<()> {
-        watch.rows(&mut light.data, self.z.cols, |j, row| {
+    fn draw(&self, light: &mut Plane<[f32; 3]>, work: &Work<'_>) -> Result<()> {
+        Ok(work.rows(&mut light.data, self.z.cols, 1, |j, row| {
             for (i, light) in row.iter_mut().enumerate() {
                 let ink = self.ink(i, j);
                 for (light, dark) in light.iter_mut().zip(Self::INK) {
                     *light += ink * (dark * 0.6 - *light);
                 }
             }
-        })
+        })?)
     }
 
     /// How much ink a sample gets, 0 to 1.

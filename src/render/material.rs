@@ -2,11 +2,12 @@
 
 use super::plane::Plane;
 use super::surface::Surface;
-use super::{Palette, Scene, Watch};
+use super::{Palette, Scene};
 use crate::kit::color::linear_from_srgb;
 use crate::kit::hash;
 use crate::kit::ramp::{Blend, Ramp, satellite};
 use crate::node::Result;
+use crate::work::Work;
 
 /// Relief, in metres, below which highlands are drawn without snow, and above which with all of it: a hill of
 /// 100 m has a top, but no snow line.
@@ -37,7 +38,7 @@ enum Paint {
 }
 
 impl<'a> Material<'a> {
-    pub(super) fn new(scene: &Scene<'_>, surface: &'a Surface, watch: &Watch<'_>) -> Result<Self> {
+    pub(super) fn new(scene: &Scene<'_>, surface: &'a Surface, work: &Work<'_>) -> Result<Self> {
         let paint = match &scene.palette {
             _ if surface.color.is_some() => Paint::Own,
             Palette::Satellite => Paint::Satellite,
@@ -46,7 +47,7 @@ impl<'a> Material<'a> {
         };
         let (low, high) = land_range(surface);
         let relief = (high - low) / surface.exaggeration;
-        let slopes = Slopes::of(surface, watch)?;
+        let slopes = Slopes::of(surface, work)?;
         // Rock begins at about 30° on the ramp; the steepest seventh of a land is rock, but never what is nearly flat,
         // nor is a land of cliffs all rock.
         let steepness = 31.0 / slopes.quantile(0.86).clamp(17.0, 42.0);
@@ -154,12 +155,12 @@ fn land_range(surface: &Surface) -> (f32, f32) {
 struct Slopes([u64; 91]);
 
 impl Slopes {
-    fn of(surface: &Surface, watch: &Watch<'_>) -> Result<Self> {
+    fn of(surface: &Surface, work: &Work<'_>) -> Result<Self> {
         // A sample of the rows tells enough.
         let stride = (surface.z.rows / 256).max(1);
         let rows = surface.z.rows.div_ceil(stride);
         let sea = surface.sea.unwrap_or(f32::NEG_INFINITY);
-        let slopes: Plane<f32> = Plane::fill(watch, [surface.z.cols, rows], |n, out| {
+        let slopes: Plane<f32> = Plane::fill(work, [surface.z.cols, rows], |n, out| {
             let j = n * stride;
             for (i, out) in out.iter_mut().enumerate() {
                 *out = if surface.z.row(j)[i] > sea { slope_degrees(surface, i, j) } else { -1.0 };

@@ -39,7 +39,6 @@ pub use picture::Picture;
 pub use price::{map_cost, perspective_cost};
 pub use thumbnail::thumbnail;
 
-use crate::context::Cancel;
 use crate::kit::ramp;
 use crate::node::{Error, Result};
 use crate::value::{Colors, Field};
@@ -180,48 +179,4 @@ fn within(name: &str, value: f64, min: f64, max: f64) -> Result<()> {
 /// Refuses a picture that is empty or too large.
 fn picture_side(name: &str, pixels: usize) -> Result<()> {
     within(name, pixels as f64, 1.0, MAX_PIXELS as f64)
-}
-
-/// What long work is told: whether to stop, and whom to tell how far it is.
-#[derive(Clone, Copy)]
-pub struct Watch<'a> {
-    cancel: &'a Cancel,
-    progress: &'a (dyn Fn(f32) + Sync),
-    share: (f32, f32),
-}
-
-impl<'a> Watch<'a> {
-    /// Watches a switch and reports the finished share, 0 to 1.
-    pub fn new(cancel: &'a Cancel, progress: &'a (dyn Fn(f32) + Sync)) -> Self {
-        Self { cancel, progress, share: (0.0, 1.0) }
-    }
-
-    /// Watches a switch and reports nothing.
-    pub fn quiet(cancel: &'a Cancel) -> Self {
-        Self::new(cancel, &|_| ())
-    }
-
-    /// The part of the work from one share to another.
-    fn stage(&self, from: f32, to: f32) -> Self {
-        let (a, b) = self.share;
-        Self { share: (a + (b - a) * from, a + (b - a) * to), ..*self }
-    }
-
-    /// Fills rows in parallel, with progress and cancellation.
-    fn rows<T: Send>(&self, data: &mut [T], cols: usize, f: impl Fn(usize, &mut [T]) + Sync) -> Result<()> {
-        use rayon::prelude::*;
-        use std::sync::atomic::{AtomicUsize, Ordering};
-        let cols = cols.max(1);
-        let (count, done) = (data.len().div_ceil(cols), AtomicUsize::new(0));
-        data.par_chunks_mut(cols).enumerate().try_for_each(|(j, row)| {
-            self.cancel.check()?;
-            f(j, row);
-            let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
-            if finished.is_multiple_of(16) || finished == count {
-                let (from, to) = self.share;
-                (self.progress)(from + (to - from) * finished as f32 / count as f32);
-            }
-            Ok(())
-        })
-    }
 }

@@ -9,8 +9,9 @@ use super::plane::{Plane, resampled};
 use super::sky::{Direction, Sky, dot};
 use super::surface::{Surface, working_grid};
 use super::trace::{Hit, Ray, Tracer};
-use super::{MAX_WORK, Scene, Watch};
+use super::{MAX_WORK, Scene};
 use crate::node::Result;
+use crate::work::Work;
 
 /// Optical depth of the haze along the longer side of the terrain at its foot, for red, green and blue.
 const HAZE: [f64; 3] = [0.20, 0.27, 0.38];
@@ -35,13 +36,13 @@ const WAVE_TILT: f64 = 0.016;
 /// # Errors
 /// When a setting is out of range, the field has fewer than 2 x 2 samples or a number that is not finite, or
 /// the work was cancelled.
-pub fn perspective(scene: &Scene<'_>, camera: &Camera, watch: &Watch<'_>) -> Result<Picture> {
+pub fn perspective(scene: &Scene<'_>, camera: &Camera, work: &Work<'_>) -> Result<Picture> {
     scene.check()?;
     camera.check()?;
     let grid = scene.height.grid();
     let from = [grid.cols, grid.rows];
     let longest = longest(camera);
-    let watch_surface = watch.stage(0.0, 0.05);
+    let watch_surface = work.stage(0.0, 0.05);
     let surface = match camera.edge {
         Edge::Block => Surface::new(scene, working_grid(from, longest), &watch_surface)?,
         Edge::Haze => {
@@ -51,10 +52,10 @@ pub fn perspective(scene: &Scene<'_>, camera: &Camera, watch: &Watch<'_>) -> Res
         }
     };
     let sky = Sky::new(scene.sun, scene.exposure);
-    let lit = Lit::new(scene, &surface, &sky, &watch.stage(0.05, 0.45))?;
-    let view = View::new(scene, camera, &surface, &sky, lit, &watch.stage(0.45, 0.55))?;
+    let lit = Lit::new(scene, &surface, &sky, &work.stage(0.05, 0.45))?;
+    let view = View::new(scene, camera, &surface, &sky, lit, &work.stage(0.45, 0.55))?;
     let mut rgb = vec![[0; 3]; camera.width * camera.height];
-    watch.stage(0.55, 1.0).rows(&mut rgb, camera.width, |row, out| {
+    work.stage(0.55, 1.0).rows(&mut rgb, camera.width, 1, |row, out| {
         for (column, out) in out.iter_mut().enumerate() {
             *out = encoded(view.pixel(column, row), dither(column, row));
         }
@@ -92,9 +93,9 @@ impl<'a> View<'a> {
         surface: &'a Surface,
         sky: &'a Sky,
         lit: Lit,
-        watch: &Watch<'_>,
+        work: &Work<'_>,
     ) -> Result<Self> {
-        let tracer = Tracer::new(&surface.z, surface.cell, watch)?;
+        let tracer = Tracer::new(&surface.z, surface.cell, work)?;
         let sea = match camera.edge {
             Edge::Block => lit.water.as_ref().map(|water| f64::from(water.level)),
             // A sea beyond the border is seen even where the terrain has none.
@@ -103,11 +104,11 @@ impl<'a> View<'a> {
         let mut light = vec![lit.color];
         while let Some(fine) = light.last().filter(|l| l.cols.min(l.rows) > 4) {
             let size = [fine.cols.div_ceil(2), fine.rows.div_ceil(2)];
-            let coarse = resampled(watch, &fine.data, [fine.cols, fine.rows], size)?;
+            let coarse = resampled(work, &fine.data, [fine.cols, fine.rows], size)?;
             light.push(coarse);
         }
         let block = match camera.edge {
-            Edge::Block => Some(Block::new(surface, [sky.to_sun[0], sky.to_sun[1]], watch)?),
+            Edge::Block => Some(Block::new(surface, [sky.to_sun[0], sky.to_sun[1]], work)?),
             Edge::Haze => None,
         };
         let base = block.as_ref().map_or(0.0, |block| block.base);

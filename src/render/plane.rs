@@ -1,7 +1,7 @@
 //! Two-dimensional arrays of the renderer's own, and their resampling.
 
-use super::Watch;
 use crate::node::Result;
+use crate::work::Work;
 
 /// What can be averaged.
 pub(super) trait Blend: Copy + Default + Send + Sync {
@@ -32,12 +32,12 @@ pub(super) struct Plane<T> {
 impl<T: Blend> Plane<T> {
     /// Fills a plane row by row, in parallel.
     pub(super) fn fill(
-        watch: &Watch<'_>,
+        work: &Work<'_>,
         [cols, rows]: [usize; 2],
         f: impl Fn(usize, &mut [T]) + Sync,
     ) -> Result<Self> {
         let mut data = vec![T::default(); cols * rows];
-        watch.rows(&mut data, cols, f)?;
+        work.rows(&mut data, cols, 1, f)?;
         Ok(Self { cols, rows, data })
     }
 
@@ -57,11 +57,11 @@ impl<T: Blend> Plane<T> {
     }
 
     /// Rows for columns.
-    pub(super) fn transposed(&self, watch: &Watch<'_>) -> Result<Self> {
+    pub(super) fn transposed(&self, work: &Work<'_>) -> Result<Self> {
         const BLOCK: usize = 16;
         let mut data = vec![T::default(); self.data.len()];
         // Sixteen columns at a time, so that each cache line that is read serves sixteen rows.
-        watch.rows(&mut data, self.rows * BLOCK, |block, out| {
+        work.rows(&mut data, self.rows * BLOCK, 1, |block, out| {
             for j in 0..self.rows {
                 let row = self.row(j);
                 for (k, line) in out.chunks_mut(self.rows).enumerate() {
@@ -110,7 +110,7 @@ fn taps(from: usize, to: usize) -> Vec<Vec<(usize, f32)>> {
 
 /// The same picture with another number of columns and rows.
 pub(super) fn resampled<T: Blend>(
-    watch: &Watch<'_>,
+    work: &Work<'_>,
     data: &[T],
     [cols, rows]: [usize; 2],
     to: [usize; 2],
@@ -119,7 +119,7 @@ pub(super) fn resampled<T: Blend>(
         return Ok(Plane { cols, rows, data: data.to_vec() });
     }
     let (across, down) = (taps(cols, to[0]), taps(rows, to[1]));
-    Plane::fill(watch, to, |j, out| {
+    Plane::fill(work, to, |j, out| {
         let mut line = vec![T::default(); cols];
         for &(k, weight) in &down[j] {
             for (sum, &x) in line.iter_mut().zip(&data[k * cols..][..cols]) {
@@ -140,14 +140,14 @@ mod tests {
     #[test]
     fn averages_are_exact_and_splines_keep_planes() {
         let cancel = Cancel::default();
-        let watch = Watch::quiet(&cancel);
+        let work = Work::new(&cancel);
         let ramp: Vec<f32> = (0..35).map(|i| (i % 7) as f32 + 10.0 * (i / 7) as f32).collect();
-        let whole = resampled(&watch, &ramp, [7, 5], [1, 1]).unwrap();
+        let whole = resampled(&work, &ramp, [7, 5], [1, 1]).unwrap();
         assert!((whole.data[0] - 23.0).abs() < 1e-4, "{whole:?}");
         // 7 columns to 2: the middle column is shared half and half.
-        let halves = resampled(&watch, &ramp, [7, 5], [2, 1]).unwrap();
+        let halves = resampled(&work, &ramp, [7, 5], [2, 1]).unwrap();
         assert!((halves.data[0] - (0.0 + 1.0 + 2.0 + 1.5) / 3.5 - 20.0).abs() < 1e-4, "{halves:?}");
-        let fine = resampled(&watch, &ramp, [7, 5], [70, 50]).unwrap();
+        let fine = resampled(&work, &ramp, [7, 5], [70, 50]).unwrap();
         for (i, j) in [(20, 20), (35, 25), (44, 29)] {
             let want = (i as f32 + 0.5) / 10.0 - 0.5 + 10.0 * ((j as f32 + 0.5) / 10.0 - 0.5);
             assert!((fine.row(j)[i] - want).abs() < 1e-4);
@@ -158,7 +158,7 @@ mod tests {
     fn transposing_turns_rows_into_columns() {
         let cancel = Cancel::default();
         let plane = Plane { cols: 37, rows: 5, data: (0..185).map(|i| i as f32).collect() };
-        let turned = plane.transposed(&Watch::quiet(&cancel)).unwrap();
+        let turned = plane.transposed(&Work::new(&cancel)).unwrap();
         assert!((0..37).all(|i| (0..5).all(|j| turned.row(i)[j] == plane.row(j)[i])));
     }
 }

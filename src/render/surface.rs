@@ -1,8 +1,9 @@
 //! The ground that is drawn: heights on the working grid.
 
 use super::plane::{Blend, Plane, resampled};
-use super::{MAX_WORK, Scene, Watch};
+use super::{MAX_WORK, Scene};
 use crate::node::Result;
+use crate::work::Work;
 
 /// Heights on the working grid, in metres above the lowest sample, times the exaggeration.
 pub(super) struct Surface {
@@ -26,20 +27,20 @@ pub(super) struct Surface {
 
 impl Surface {
     /// Brings a scene to a grid of about so many samples along the longer side.
-    pub(super) fn new(scene: &Scene<'_>, [cols, rows]: [usize; 2], watch: &Watch<'_>) -> Result<Self> {
+    pub(super) fn new(scene: &Scene<'_>, [cols, rows]: [usize; 2], work: &Work<'_>) -> Result<Self> {
         let grid = scene.height.grid();
         let from = [grid.cols, grid.rows];
         let lowest = scene.height.range().map_or(0.0, |(low, _)| low);
-        let mut z = resampled(&watch.stage(0.0, 0.6), scene.height.data(), from, [cols, rows])?;
+        let mut z = resampled(&work.stage(0.0, 0.6), scene.height.data(), from, [cols, rows])?;
         let factor = scene.exaggeration as f32;
         // Far beyond any planet numbers would overflow on the way; they are clipped and drawn as walls.
-        watch.stage(0.6, 0.7).rows(&mut z.data, cols, |_, row| {
+        work.stage(0.6, 0.7).rows(&mut z.data, cols, 1, |_, row| {
             for z in row {
                 *z = ((*z - lowest) * factor).clamp(-1e9, 1e9);
             }
         })?;
         let color = match scene.color {
-            Some(color) => Some(resampled(&watch.stage(0.7, 1.0), color.data(), from, [cols, rows])?),
+            Some(color) => Some(resampled(&work.stage(0.7, 1.0), color.data(), from, [cols, rows])?),
             None => None,
         };
         let highest = z.data.iter().fold(0.0f32, |a, &b| a.max(b));
@@ -54,12 +55,12 @@ impl Surface {
     }
 
     /// The surface with a margin of its mirror image on every side, a share of its longer side wide.
-    pub(super) fn mirrored(self, share: f64, watch: &Watch<'_>) -> Result<Self> {
+    pub(super) fn mirrored(self, share: f64, work: &Work<'_>) -> Result<Self> {
         let margin = (self.z.cols.max(self.z.rows) as f64 * share) as usize;
         Ok(Self {
-            z: grown(&self.z, margin, watch)?,
-            top: self.top.map(|top| grown(&top, margin, watch)).transpose()?,
-            color: self.color.map(|color| grown(&color, margin, watch)).transpose()?,
+            z: grown(&self.z, margin, work)?,
+            top: self.top.map(|top| grown(&top, margin, work)).transpose()?,
+            color: self.color.map(|color| grown(&color, margin, work)).transpose()?,
             margin,
             ..self
         })
@@ -91,14 +92,14 @@ impl Surface {
 }
 
 /// A plane with a margin of its mirror image.
-fn grown<T: Blend>(plane: &Plane<T>, margin: usize, watch: &Watch<'_>) -> Result<Plane<T>> {
+fn grown<T: Blend>(plane: &Plane<T>, margin: usize, work: &Work<'_>) -> Result<Plane<T>> {
     // The border sample is the mirror: it is not repeated, and margins may be longer than the plane.
     let fold = |k: usize, count: usize| {
         let period = 2 * (count - 1);
         let k = (k + period - margin % period) % period;
         k.min(period - k)
     };
-    Plane::fill(watch, [plane.cols + 2 * margin, plane.rows + 2 * margin], |j, out: &mut [T]| {
+    Plane::fill(work, [plane.cols + 2 * margin, plane.rows + 2 * margin], |j, out: &mut [T]| {
         let row = plane.row(fold(j, plane.rows));
         for (i, out) in out.iter_mut().enumerate() {
             *out = row[fold(i, plane.cols)];

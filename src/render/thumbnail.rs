@@ -3,11 +3,12 @@
 use super::picture::Picture;
 use super::plane::resampled;
 use super::surface::working_grid;
-use super::{Palette, Scene, Watch, map, picture_side, sketch};
+use super::{Palette, Scene, map, picture_side, sketch};
 use crate::context::Cancel;
 use crate::kit::ramp::{Blend, Palette as Colours, Ramp};
 use crate::node::{Error, Result};
 use crate::value::{Field, Quantity, Value};
+use crate::work::Work;
 
 /// The relief that a thumbnail shows, as a share of the longer side: a plain is raised to it.
 const RELIEF: f64 = 0.16;
@@ -22,19 +23,19 @@ const RELIEF: f64 = 0.16;
 /// When the value has no samples or a number that is not finite, `side` is 0 or too large, or the work was cancelled.
 pub fn thumbnail(value: &Value, side: usize, cancel: &Cancel) -> Result<Picture> {
     picture_side("side", side)?;
-    let watch = Watch::quiet(cancel);
+    let work = Work::new(cancel);
     match value {
         Value::Field(field) => match field.quantity() {
             Quantity::Elevation if field.grid().cols > 1 && field.grid().rows > 1 => {
-                relief(field, side, &watch)
+                relief(field, side, &work)
             }
-            Quantity::Mask => flat(field, side, &watch, |x| [x; 3]),
-            Quantity::Direction => flat(field, side, &watch, hue),
+            Quantity::Mask => flat(field, side, &work, |x| [x; 3]),
+            Quantity::Direction => flat(field, side, &work, hue),
             _ => {
                 let (low, high) = field.range().unwrap_or((0.0, 1.0));
                 let scale = if high > low { 1.0 / (high - low) } else { 0.0 };
                 let ramp = Ramp::of(&Colours::Viridis, Blend::Smooth);
-                flat(field, side, &watch, |x| ramp.color((x - low) * scale))
+                flat(field, side, &work, |x| ramp.color((x - low) * scale))
             }
         },
         Value::Vectors(vectors) => {
@@ -42,15 +43,15 @@ pub fn thumbnail(value: &Value, side: usize, cancel: &Cancel) -> Result<Picture>
             let scale = if longest > 0.0 { 0.5 / longest } else { 0.0 };
             let colors: Vec<_> =
                 (vectors.data().iter()).map(|[x, y]| [0.5 + x * scale, 0.5 + y * scale, 0.5]).collect();
-            paint(&colors, [vectors.grid().cols, vectors.grid().rows], side, &watch)
+            paint(&colors, [vectors.grid().cols, vectors.grid().rows], side, &work)
         }
-        Value::Colors(colors) => paint(colors.data(), [colors.grid().cols, colors.grid().rows], side, &watch),
+        Value::Colors(colors) => paint(colors.data(), [colors.grid().cols, colors.grid().rows], side, &work),
         Value::Curves(curves) => Ok(sketch::curves(curves, side)),
         Value::Constraints(constraints) => Ok(sketch::constraints(constraints, side)),
     }
 }
 
-fn relief(field: &Field, side: usize, watch: &Watch<'_>) -> Result<Picture> {
+fn relief(field: &Field, side: usize, work: &Work<'_>) -> Result<Picture> {
     let grid = field.grid();
     let (low, high) = field.range().unwrap_or((0.0, 0.0));
     let extent = grid.cols.max(grid.rows) as f64 * grid.cell();
@@ -58,21 +59,21 @@ fn relief(field: &Field, side: usize, watch: &Watch<'_>) -> Result<Picture> {
     let exaggeration = if relief > 0.0 { (RELIEF / relief).clamp(1.0, 1000.0) } else { 1.0 };
     let [width, _] = working_grid([grid.cols, grid.rows], side);
     let palette = Palette::Ramp(Colours::Hypsometric);
-    map(&Scene { exaggeration, palette, ..Scene::new(field) }, Some(width), watch)
+    map(&Scene { exaggeration, palette, ..Scene::new(field) }, Some(width), work)
 }
 
-fn flat(field: &Field, side: usize, watch: &Watch<'_>, f: impl Fn(f32) -> [f32; 3]) -> Result<Picture> {
+fn flat(field: &Field, side: usize, work: &Work<'_>, f: impl Fn(f32) -> [f32; 3]) -> Result<Picture> {
     let colors: Vec<_> = field.data().iter().map(|&x| f(x)).collect();
-    paint(&colors, [field.grid().cols, field.grid().rows], side, watch)
+    paint(&colors, [field.grid().cols, field.grid().rows], side, work)
 }
 
-fn paint(colors: &[[f32; 3]], from: [usize; 2], side: usize, watch: &Watch<'_>) -> Result<Picture> {
+fn paint(colors: &[[f32; 3]], from: [usize; 2], side: usize, work: &Work<'_>) -> Result<Picture> {
     if from.contains(&0) {
         return Err(Error::Input { port: "value", message: "has no samples".into() });
     }
     let longer = from[0].max(from[1]);
     let size = from.map(|n| if longer > side { (n * side / longer).max(1) } else { n });
-    let screen = resampled(watch, colors, from, size)?;
+    let screen = resampled(work, colors, from, size)?;
     let level = |x: f32| (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
     Ok(Picture { width: size[0], height: size[1], rgb: screen.data.iter().map(|c| c.map(level)).collect() })
 }

@@ -4,9 +4,9 @@
 //! is cut with the bilinear patch between the four samples in closed form, so that what is seen, outlines included,
 //! is exactly that surface.
 
-use super::Watch;
 use super::plane::Plane;
 use crate::node::Result;
+use crate::work::Work;
 
 /// A half line. Origin and direction in metres: east, south, up from the north-west sample; the direction has length 1.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +38,8 @@ pub(super) struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    pub(super) fn new(z: &'a Plane<f32>, cell: f64, watch: &Watch<'_>) -> Result<Self> {
-        let mut levels = vec![Plane::fill(watch, [z.cols - 1, z.rows - 1], |j, out: &mut [f32]| {
+    pub(super) fn new(z: &'a Plane<f32>, cell: f64, work: &Work<'_>) -> Result<Self> {
+        let mut levels = vec![Plane::fill(work, [z.cols - 1, z.rows - 1], |j, out: &mut [f32]| {
             let (top, bottom) = (z.row(j), z.row(j + 1));
             for (i, out) in out.iter_mut().enumerate() {
                 *out = top[i].max(top[i + 1]).max(bottom[i]).max(bottom[i + 1]);
@@ -47,7 +47,7 @@ impl<'a> Tracer<'a> {
         })?];
         while let Some(fine) = levels.last().filter(|l| l.cols > 1 || l.rows > 1) {
             let size = [fine.cols.div_ceil(2), fine.rows.div_ceil(2)];
-            let coarse = Plane::fill(watch, size, |j, out: &mut [f32]| {
+            let coarse = Plane::fill(work, size, |j, out: &mut [f32]| {
                 let rows = [fine.row(2 * j), fine.row((2 * j + 1).min(fine.rows - 1))];
                 for (i, out) in out.iter_mut().enumerate() {
                     let (a, b) = (2 * i, (2 * i + 1).min(fine.cols - 1));
@@ -229,7 +229,7 @@ mod tests {
         let cancel = Cancel::default();
         let data = (0..37 * 29).map(|i| (unit(5, i) * 60.0) as f32).collect();
         let z = Plane { cols: 37, rows: 29, data };
-        let tracer = Tracer::new(&z, 10.0, &Watch::quiet(&cancel)).unwrap();
+        let tracer = Tracer::new(&z, 10.0, &Work::new(&cancel)).unwrap();
         let mut hits = 0;
         for n in 0..400u64 {
             let random = |k| unit(9, n * 8 + k);
@@ -258,7 +258,7 @@ mod tests {
     fn rays_from_outside_and_along_the_axes() {
         let cancel = Cancel::default();
         let z = Plane { cols: 3, rows: 3, data: vec![0.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 0.0] };
-        let tracer = Tracer::new(&z, 1.0, &Watch::quiet(&cancel)).unwrap();
+        let tracer = Tracer::new(&z, 1.0, &Work::new(&cancel)).unwrap();
         let hit = |origin, direction| tracer.hit(&Ray { origin, direction }, 0.0);
         let east = hit([-5.0, 1.0, 4.0], [1.0, 0.0, 0.0]).unwrap();
         assert!((east.u - 0.5).abs() < 1e-9 && (east.t - 5.5).abs() < 1e-9, "{east:?}");

@@ -1,9 +1,9 @@
 //! Water from above: what the eye sees of it and through it, without reflections.
 
-use super::Watch;
 use super::plane::{Plane, resampled};
 use super::surface::{Surface, working_grid};
 use crate::node::Result;
+use crate::work::Work;
 
 /// How fast water swallows red, green and blue, relative to each other.
 const SWALLOWED: [f32; 3] = [2.3, 0.95, 0.62];
@@ -39,7 +39,7 @@ struct Coast {
 
 impl Water {
     /// The water of a surface; `None` when there is none.
-    pub(super) fn new(surface: &Surface, watch: &Watch<'_>) -> Result<Option<Self>> {
+    pub(super) fn new(surface: &Surface, work: &Work<'_>) -> Result<Option<Self>> {
         let Some(level) = surface.sea else { return Ok(None) };
         let (mut wet, mut volume) = (0u64, 0.0f64);
         for &z in surface.z.data.iter().filter(|&&z| z <= level) {
@@ -54,7 +54,7 @@ impl Water {
         // fell off from the coast.
         let relief = surface.highest - level;
         let unknown = mean < 0.004 * relief || mean <= 1e-3 * surface.exaggeration;
-        let coast = if unknown { Some(Coast::of(surface, level, watch)?) } else { None };
+        let coast = if unknown { Some(Coast::of(surface, level, work)?) } else { None };
         Ok(Some(Self { level, clarity: (0.35 * mean).max(4.0 * surface.exaggeration), coast }))
     }
 
@@ -77,18 +77,18 @@ impl Water {
 
 impl Coast {
     /// Blurs the land: half of it at the coast, none far out.
-    fn of(surface: &Surface, level: f32, watch: &Watch<'_>) -> Result<Self> {
+    fn of(surface: &Surface, level: f32, work: &Work<'_>) -> Result<Self> {
         let from = [surface.z.cols, surface.z.rows];
-        let land: Plane<f32> = Plane::fill(watch, from, |j, out| {
+        let land: Plane<f32> = Plane::fill(work, from, |j, out| {
             for (out, &z) in out.iter_mut().zip(surface.z.row(j)) {
                 *out = if z > level { 1.0 } else { 0.0 };
             }
         })?;
         let size = working_grid(from, COAST_GRID);
-        let land = resampled(watch, &land.data, from, size)?;
+        let land = resampled(work, &land.data, from, size)?;
         let [shallows, shelf] = COAST_REACH.map(|reach| {
-            let across = blurred_rows(&land, reach, watch)?.transposed(watch)?;
-            blurred_rows(&across, reach, watch)?.transposed(watch)
+            let across = blurred_rows(&land, reach, work)?.transposed(work)?;
+            blurred_rows(&across, reach, work)?.transposed(work)
         });
         let (mut near, shelf) = (shallows?, shelf?);
         for (near, shelf) in near.data.iter_mut().zip(&shelf.data) {
@@ -103,12 +103,12 @@ impl Coast {
     }
 }
 
-fn blurred_rows(plane: &Plane<f32>, sigma: f64, watch: &Watch<'_>) -> Result<Plane<f32>> {
+fn blurred_rows(plane: &Plane<f32>, sigma: f64, work: &Work<'_>) -> Result<Plane<f32>> {
     let reach = (3.0 * sigma) as i64;
     let weight = |n: i64| libm::exp(-0.5 * (n as f64 / sigma) * (n as f64 / sigma));
     let total: f64 = (-reach..=reach).map(weight).sum();
     let kernel: Vec<f32> = (-reach..=reach).map(|n| (weight(n) / total) as f32).collect();
-    Plane::fill(watch, [plane.cols, plane.rows], |j, out| {
+    Plane::fill(work, [plane.cols, plane.rows], |j, out| {
         let (row, last) = (plane.row(j), plane.cols as i64 - 1);
         for (i, out) in (0i64..).zip(out) {
             let tap = |(n, &w): (i64, &f32)| w * row[(i + n - reach).clamp(0, last) as usize];

@@ -2,12 +2,14 @@
 
 mod constraints;
 pub mod curves;
+mod fill;
 mod grid;
 mod raster;
 mod terrain;
 
 pub use constraints::{Constraints, Mark, Planes};
 pub use curves::{Curve, CurveSpec, Curves};
+pub use fill::{Row, fill};
 pub use grid::{Bounds, Grid, Lattice};
 pub use raster::{Colors, Field, Quantity, Raster, Sample, Vectors};
 pub use terrain::{Geo, MAX_BASE, MAX_EXTENT, MAX_SIZE, MIN_SIZE, Terrain};

@@ -18,6 +18,7 @@ use orograph::params::{Param, Shape};
 use orograph::ports::{Ports, Wires};
 use orograph::units::{Degrees, Metres, Number, Ratio, Seed};
 use orograph::value::{Field, Grid, Lattice, Quantity, Raster, Terrain, Value, Vectors};
+use orograph::work::Work;
 use serde_json::{Map, Value as Json, json};
 
 const CELL: f64 = 8.0;
@@ -302,7 +303,7 @@ fn a_cancelled_filter_stops() {
     let at = terrain.grid(257).unwrap();
     let cx = Context::bare(at, &terrain, &cancel);
     for metres in [20.0, 900.0] {
-        assert_eq!(blur::gaussian(&cx, &rough(&at), at, metres).unwrap_err(), Error::Cancelled);
+        assert_eq!(blur::gaussian(&cx.work, &rough(&at), at, metres).unwrap_err(), Error::Cancelled);
     }
     let wires = Wires::from_iter([("field", Value::Field(rough(&at)))]);
     assert_eq!(AnyNode::run(&Median::default(), &cx, wires).unwrap_err(), Error::Cancelled);

@@ -8,7 +8,7 @@ use std::cell::Cell;
 use orograph::engine::{Unobserved, Want};
 use orograph::files::vectors::svg;
 use orograph::files::{
-    Closing, Companion, Format, Input, Limits, Reading, Relief, Request, Watch, WriteJob, Writing, encode,
+    Closing, Companion, Format, Input, Limits, Reading, Relief, Request, WriteJob, Writing, encode,
 };
 use orograph::graph::Graph;
 use orograph::kit::curves::raster::BESIDE;
@@ -17,6 +17,7 @@ use orograph::node::{Cancel, Context, Kind, Reach, SourceFile};
 use orograph::params::Shape;
 use orograph::ports::{MASK, Wires};
 use orograph::value::{CurveSpec, Curves, Field, Grid, Quantity, Terrain, Value};
+use orograph::work::Work;
 use serde_json::{Map, Value as Json, json};
 
 use crate::fed::{engine, extremes, fed, shipped};
@@ -222,20 +223,20 @@ fn no_height_file_takes_more_memory_than_its_header_tells() {
         let (bytes, name) = (out.into_inner(), format!("a.{}", format.extension()));
         let sidecar = written.sidecar.map(|j| j.to_string().into_bytes());
         let beside: Vec<_> = sidecar.iter().map(|bytes| Companion { name: "a.json", bytes }).collect();
-        let (reading, limits, watch) = (Reading::default(), Limits::default(), Watch::default());
+        let (reading, limits, work) = (Reading::default(), Limits::default(), Work::default());
         let input = Input {
             name: &name,
             bytes: &bytes,
             companions: &beside,
             reading: &reading,
             limits: &limits,
-            watch,
+            work,
         };
         let claim = input.claim().unwrap();
         let [cols, rows] = [claim.cols, claim.rows];
         assert_eq!([cols, rows], [size as u64; 2], "{format}");
         for cubic in [false, true] {
-            let (reading, limits, watch) = (Reading::default(), Limits::default(), Watch::default());
+            let (reading, limits, work) = (Reading::default(), Limits::default(), Work::default());
             let request = Request {
                 name: &name,
                 companions: &beside,
@@ -243,7 +244,7 @@ fn no_height_file_takes_more_memory_than_its_header_tells() {
                 closing: Closing::Smooth,
                 cubic,
             };
-            let (took, relief) = peak(|| Relief::new(&request, &bytes, &limits, watch));
+            let (took, relief) = peak(|| Relief::new(&request, &bytes, &limits, work));
             relief.unwrap();
             let said = Relief::bytes(cols, rows, cubic).max(claim.bytes);
             assert!(took <= said + SMALL, "{format}, cubic {cubic}: says {said}, took {took}");

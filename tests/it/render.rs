@@ -2,8 +2,9 @@
 
 use orograph::context::Cancel;
 use orograph::node::Error;
-use orograph::render::{Camera, Edge, Palette, Picture, Scene, Sun, Watch, map, perspective, thumbnail};
+use orograph::render::{Camera, Edge, Palette, Picture, Scene, Sun, map, perspective, thumbnail};
 use orograph::value::{Colors, Field, Grid, Lattice, Quantity, Value, Vectors};
+use orograph::work::Work;
 
 fn grid(cols: usize, rows: usize, cell: f64) -> Grid {
     let intervals = cols as u32 - 1;
@@ -24,11 +25,11 @@ fn hills(cols: usize, rows: usize) -> Field {
 }
 
 fn drawn(scene: &Scene<'_>, width: Option<usize>) -> Picture {
-    map(scene, width, &Watch::quiet(&Cancel::default())).expect("a good scene")
+    map(scene, width, &Work::new(&Cancel::default())).expect("a good scene")
 }
 
 fn seen(scene: &Scene<'_>, camera: &Camera) -> Picture {
-    perspective(scene, camera, &Watch::quiet(&Cancel::default())).expect("a good scene")
+    perspective(scene, camera, &Work::new(&Cancel::default())).expect("a good scene")
 }
 
 fn clay(height: &Field, azimuth: f64, altitude: f64) -> Scene<'_> {
@@ -274,7 +275,7 @@ fn odd_terrains_are_drawn_without_harm() {
 #[test]
 fn what_cannot_be_drawn_is_refused_by_name() {
     let cancel = Cancel::default();
-    let watch = Watch::quiet(&cancel);
+    let watch = Work::new(&cancel);
     let good = hills(20, 20);
     let said = |scene: &Scene<'_>| map(scene, Some(10), &watch).unwrap_err().to_string();
     let line = Field::constant(Grid { rows: 1, ..*good.grid() }, Quantity::Elevation, 0.0);
@@ -311,7 +312,7 @@ fn work_tells_how_far_it_is_and_stops() {
         let mut furthest = furthest.lock().unwrap();
         *furthest = furthest.max(share);
     };
-    perspective(&Scene::new(&height), &camera, &Watch::new(&cancel, &tell)).unwrap();
+    perspective(&Scene::new(&height), &camera, &Work::new(&cancel).telling(&tell)).unwrap();
     assert!(*furthest.lock().unwrap() > 0.999);
     // Stopped halfway through.
     let stop = |share: f32| {
@@ -319,9 +320,9 @@ fn work_tells_how_far_it_is_and_stops() {
             cancel.cancel();
         }
     };
-    let stopped = perspective(&Scene::new(&height), &camera, &Watch::new(&cancel, &stop));
+    let stopped = perspective(&Scene::new(&height), &camera, &Work::new(&cancel).telling(&stop));
     assert!(matches!(stopped, Err(Error::Cancelled)), "{stopped:?}");
-    assert!(matches!(map(&Scene::new(&height), None, &Watch::quiet(&cancel)), Err(Error::Cancelled)));
+    assert!(matches!(map(&Scene::new(&height), None, &Work::new(&cancel)), Err(Error::Cancelled)));
 }
 
 #[test]

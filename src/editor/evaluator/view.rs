@@ -11,8 +11,9 @@ use crate::editor::shade::{self, Light};
 use crate::editor::watcher::Watcher;
 use crate::engine::{Engine, EngineError, Want};
 use crate::graph::{Graph, Source};
-use crate::render::{Picture, Scene, Watch, map};
+use crate::render::{Picture, Scene, map};
 use crate::value::{Colors, Field, Grid, Quantity, Value};
+use crate::work::Work;
 
 /// Estimated seconds from which a draft is shown before the exact result.
 const DRAFT_ABOVE: f64 = 0.08;
@@ -282,7 +283,7 @@ fn under(
     let color: Option<&Colors> = colors.as_ref();
     // The water is drawn by the view itself.
     let scene = Scene { color, sun: light.sun(), ..Scene::new(height) };
-    match map(&scene, None, &Watch::quiet(cancel)) {
+    match map(&scene, None, &Work::new(cancel)) {
         Ok(picture) => Ok(Some(picture)),
         Err(_) if cancel.is_cancelled() => Err(Stopped),
         // The quick picture stays.

@@ -55,7 +55,7 @@ fn read_channel(input: &Input<'_>) -> Result<HeightFile, Fault> {
     let mut chunks = reader.filter_chunks(false, full_size).map_err(fault)?;
     let meta = chunks.meta_data().clone();
     let total = chunks.expected_chunk_count().max(1);
-    let mut data = filled(frame.cols * frame.rows, f32::NAN, &input.watch)?;
+    let mut data = filled(frame.cols * frame.rows, f32::NAN, &input.work)?;
     let (mut done, batch) = (0, at_once(&header));
     loop {
         let packed: Vec<Chunk> = chunks.by_ref().take(batch).collect::<Result<_, _>>().map_err(fault)?;
@@ -64,15 +64,15 @@ fn read_channel(input: &Input<'_>) -> Result<HeightFile, Fault> {
         }
         done += packed.len();
         let unpack = |chunk| {
-            input.watch.go_on()?;
+            input.work.check()?;
             UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(fault)
         };
         let blocks: Vec<_> = packed.into_par_iter().map(unpack).collect::<Result<_, _>>()?;
         for block in &blocks {
-            input.watch.go_on()?;
+            input.work.check()?;
             frame.put(block, &header, &pick, &mut data)?;
         }
-        input.watch.check(done as f32 / total as f32)?;
+        input.work.step(done as f32 / total as f32)?;
     }
     let sample = header.channels.list[pick.channel].sample_type;
     let mut origin = Origin::new(&CODEC, sample_name(sample));

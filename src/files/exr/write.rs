@@ -5,9 +5,9 @@ use std::io::SeekFrom;
 use super::super::bands::{self, Band};
 use super::super::error::WriteError;
 use super::super::sheet::{Sheet, Sink};
-use super::super::watch::Watch;
 use super::super::write::Written;
 use crate::value::Quantity;
+use crate::work::Work;
 
 /// Writes floats.
 pub(super) fn floats(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
@@ -18,7 +18,7 @@ pub(super) fn floats(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, W
         _ => (&["B", "G", "R"], &[2, 1, 0]),
     };
     let linear = sheet.quantity == Quantity::Color;
-    rows(out, [sheet.cols, sheet.rows], names, &sheet.writing.watch, |j, line| {
+    rows(out, [sheet.cols, sheet.rows], names, &sheet.writing.work, |j, line| {
         let row = sheet.row(j);
         for (&channel, line) in order.iter().zip(line.chunks_exact_mut(sheet.cols * 4)) {
             let (floats, _) = line.as_chunks_mut::<4>();
@@ -47,7 +47,7 @@ fn rows(
     out: &mut dyn Sink,
     [cols, rows]: [usize; 2],
     channels: &[&str],
-    watch: &Watch<'_>,
+    work: &Work<'_>,
     fill: impl Fn(usize, &mut [u8]) + Sync,
 ) -> Result<(), WriteError> {
     out.write_all(&header(cols, rows, channels)?)?;
@@ -65,7 +65,7 @@ fn rows(
         let packed = bands::zlib(&interleave(&raw), LEVEL);
         if packed.len() < raw.len() { packed } else { raw }
     };
-    bands::in_order(&split, watch, press, |band, block| {
+    bands::in_order(&split, work, press, |band, block| {
         offsets.extend(at.to_le_bytes());
         // Both were checked to fit when the header was made.
         out.write_all(&(band.first_row as i32).to_le_bytes())?;

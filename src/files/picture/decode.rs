@@ -10,7 +10,7 @@ use super::super::error::{Fault, ReadError};
 use super::super::height::Limits;
 use super::claim::{PictureClaim, PictureKind};
 use super::psd;
-use crate::node::Cancel;
+use crate::work::Work;
 
 /// The pixels of a picture: red, green, blue and alpha, sRGB encoded, the colours not multiplied by alpha.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,8 +38,8 @@ impl Picture {
     ///
     /// # Errors
     /// What is wrong with the file; a size over the limits is refused before memory is taken.
-    pub fn read(name: &str, bytes: &[u8], limits: &Limits, cancel: &Cancel) -> Result<Self, ReadError> {
-        Self::checked(name, bytes, limits, cancel).map_err(|fault| fault.of(name))
+    pub fn read(name: &str, bytes: &[u8], limits: &Limits, work: &Work<'_>) -> Result<Self, ReadError> {
+        Self::checked(name, bytes, limits, work).map_err(|fault| fault.of(name))
     }
 
     /// Bytes of the pixels.
@@ -50,22 +50,22 @@ impl Picture {
         }
     }
 
-    fn checked(name: &str, bytes: &[u8], limits: &Limits, cancel: &Cancel) -> Result<Self, Fault> {
+    fn checked(name: &str, bytes: &[u8], limits: &Limits, work: &Work<'_>) -> Result<Self, Fault> {
         let claim = PictureClaim::checked(name, &mut Cursor::new(bytes), limits)?;
         let mut notes = Vec::new();
         let pixels = guarded(|| match claim.kind {
-            PictureKind::Png => png(bytes, &claim, cancel),
-            PictureKind::Jpeg => jpeg(bytes, &claim, cancel, &mut notes),
+            PictureKind::Png => png(bytes, &claim, work),
+            PictureKind::Jpeg => jpeg(bytes, &claim, work, &mut notes),
             PictureKind::Webp => {
-                image::codecs::webp::WebPDecoder::new(watched(bytes, cancel)).map_err(fault).and_then(unpack)
+                image::codecs::webp::WebPDecoder::new(watched(bytes, work)).map_err(fault).and_then(unpack)
             }
             PictureKind::Bmp => {
-                image::codecs::bmp::BmpDecoder::new(watched(bytes, cancel)).map_err(fault).and_then(unpack)
+                image::codecs::bmp::BmpDecoder::new(watched(bytes, work)).map_err(fault).and_then(unpack)
             }
             PictureKind::Tga => {
-                image::codecs::tga::TgaDecoder::new(watched(bytes, cancel)).map_err(fault).and_then(unpack)
+                image::codecs::tga::TgaDecoder::new(watched(bytes, work)).map_err(fault).and_then(unpack)
             }
-            PictureKind::Psd => psd::read(bytes, &claim, cancel),
+            PictureKind::Psd => psd::read(bytes, &claim, work),
         })?;
         let (cols, rows) = (claim.cols as usize, claim.rows as usize);
         let (found, has_alpha) = match &pixels {
@@ -80,10 +80,6 @@ impl Picture {
 }
 
 /// The word to stop; whoever gave it knows better than to show it as a fault of the file.
-pub(super) fn go_on(cancel: &Cancel) -> Result<(), Fault> {
-    if cancel.is_cancelled() { Err(Fault::Cancelled) } else { Ok(()) }
-}
-
 /// Turns a panic of a library into an error.
 fn guarded<T>(work: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
     // Nothing outlives the closure that could be left half done.
@@ -94,16 +90,16 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
 /// A file that fails once the work was asked to stop: the decoders of libraries know no other way.
 struct Watched<'a> {
     file: Cursor<&'a [u8]>,
-    cancel: &'a Cancel,
+    work: &'a Work<'a>,
 }
 
-fn watched<'a>(bytes: &'a [u8], cancel: &'a Cancel) -> BufReader<Watched<'a>> {
-    BufReader::with_capacity(1 << 14, Watched { file: Cursor::new(bytes), cancel })
+fn watched<'a>(bytes: &'a [u8], work: &'a Work<'a>) -> BufReader<Watched<'a>> {
+    BufReader::with_capacity(1 << 14, Watched { file: Cursor::new(bytes), work })
 }
 
 impl Read for Watched<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        if self.cancel.is_cancelled() {
+        if self.work.is_cancelled() {
             return Err(std::io::Error::other("cancelled"));
         }
         self.file.read(buffer)
@@ -150,7 +146,7 @@ pub(super) fn eight(raw: &[u8], channels: usize) -> Pixels {
 }
 
 /// Reads a PNG row by row; colours in text and profiles are passed over unread.
-fn png(bytes: &[u8], claim: &PictureClaim, cancel: &Cancel) -> Result<Pixels, Fault> {
+fn png(bytes: &[u8], claim: &PictureClaim, work: &Work<'_>) -> Result<Pixels, Fault> {
     let broken = |e: png::DecodingError| Fault::Damaged(e.to_string());
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND);
@@ -172,7 +168,7 @@ fn png(bytes: &[u8], claim: &PictureClaim, cancel: &Cancel) -> Result<Pixels, Fa
         rows.take(&whole);
     } else {
         while let Some(row) = reader.next_row().map_err(broken)? {
-            go_on(cancel)?;
+            work.check()?;
             rows.take(row.data());
         }
     }
@@ -224,7 +220,7 @@ impl Rows {
 fn jpeg(
     bytes: &[u8],
     claim: &PictureClaim,
-    cancel: &Cancel,
+    work: &Work<'_>,
     notes: &mut Vec<String>,
 ) -> Result<Pixels, Fault> {
     let size = claim.cols.saturating_mul(claim.rows).saturating_mul(3);
@@ -237,7 +233,7 @@ fn jpeg(
         .jpeg_set_out_colorspace(ColorSpace::RGB);
     let decode = |strict: bool| {
         let options = options.set_strict_mode(strict);
-        let mut decoder = zune_jpeg::JpegDecoder::new_with_options(watched(bytes, cancel), options);
+        let mut decoder = zune_jpeg::JpegDecoder::new_with_options(watched(bytes, work), options);
         decoder.decode().map_err(|e| Fault::Damaged(e.to_string()))
     };
     let raw = decode(true).or_else(|strict| {

@@ -8,11 +8,11 @@ use std::io::Read;
 use super::super::error::Fault;
 use super::super::height::Limits;
 use super::claim::PictureClaim;
-use super::decode::{Pixels, go_on};
-use crate::node::Cancel;
+use super::decode::Pixels;
+use crate::work::Work;
 
 /// Reads the merged image.
-pub(super) fn read(bytes: &[u8], claim: &PictureClaim, cancel: &Cancel) -> Result<Pixels, Fault> {
+pub(super) fn read(bytes: &[u8], claim: &PictureClaim, work: &Work<'_>) -> Result<Pixels, Fault> {
     let mut file = Bytes { rest: bytes };
     let header = Header::read(&mut file)?;
     let table = file.block(4)?;
@@ -24,7 +24,7 @@ pub(super) fn read(bytes: &[u8], claim: &PictureClaim, cancel: &Cancel) -> Resul
     let claimed = (line as u64).saturating_mul(claim.rows).saturating_mul(planes as u64);
     let data = match file.word(2)? {
         0 => file.take(claimed as usize)?.to_vec(),
-        1 => run_lengths(&mut file, &header, [claim.rows as usize, line], cancel)?,
+        1 => run_lengths(&mut file, &header, [claim.rows as usize, line], work)?,
         method @ (2 | 3) => {
             Limits::plausible(claimed, file.rest.len() as u64)?;
             let mut data = vec![0; claimed as usize];
@@ -176,7 +176,7 @@ fn run_lengths(
     file: &mut Bytes<'_>,
     header: &Header,
     [rows, line]: [usize; 2],
-    cancel: &Cancel,
+    work: &Work<'_>,
 ) -> Result<Vec<u8>, Fault> {
     let word = if header.large { 4 } else { 2 };
     let mut lengths = Bytes { rest: file.take(header.channels.saturating_mul(rows).saturating_mul(word))? };
@@ -191,7 +191,7 @@ fn run_lengths(
     }
     let mut data = Vec::with_capacity(wanted * line);
     for row in 1..=wanted {
-        go_on(cancel)?;
+        work.check()?;
         let mut packed = file.take(lengths.word(word)? as usize)?;
         let end = row * line;
         while data.len() < end {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::decode::{Picture, Pixels};
 use crate::kit::color::{linear_from_srgb, srgb_from_linear};
-use crate::node::Cancel;
+use crate::work::Work;
 
 /// Which numbers of a picture its mask is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -124,7 +124,7 @@ pub struct TextureColumns {
 
 impl Texture {
     /// The picture made smaller by whole numbers; unfinished where the work was asked to stop.
-    pub fn new(picture: &Arc<Picture>, mask: Channel, reduction: [u32; 2], cancel: &Cancel) -> Self {
+    pub fn new(picture: &Arc<Picture>, mask: Channel, reduction: [u32; 2], work: &Work<'_>) -> Self {
         let size = [picture.cols, picture.rows];
         // A picture has no more texels than pixels, and one at least.
         let reduction = [0, 1].map(|k| reduction[k].clamp(1, size[k].max(1) as u32));
@@ -136,7 +136,7 @@ impl Texture {
         let mut texels = vec![Texel::default(); cols * rows];
         let [kx, ky] = reduction.map(|k| k as usize);
         texels.par_chunks_mut(cols.max(1)).enumerate().for_each(|(j, out)| {
-            if cancel.is_cancelled() {
+            if work.is_cancelled() {
                 return;
             }
             let share = 1.0 / (kx as f32 * ky as f32);

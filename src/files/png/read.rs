@@ -50,7 +50,7 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
             if let InterlaceInfo::Adam7(pass) = row.interlace() {
                 ::png::expand_interlaced_row(&mut whole, line, row.data(), pass, bits as u8);
             }
-            input.watch.go_on()?;
+            input.work.check()?;
         }
         pixels.take(&whole);
     } else {
@@ -58,7 +58,7 @@ pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
         while let Some(line) = reader.next_row().map_err(fault)? {
             pixels.take(line.data());
             row += 1;
-            input.watch.check(row as f32 / rows as f32)?;
+            input.work.step(row as f32 / rows as f32)?;
         }
     }
     if pixels.data.len() != total {

@@ -6,8 +6,8 @@ use std::io;
 use super::super::bands::{self, Band};
 use super::super::error::WriteError;
 use super::super::sheet::{Sheet, Sink};
-use super::super::watch::Watch;
 use super::super::write::Written;
+use crate::work::Work;
 
 /// Writes 8 bits a channel.
 pub(super) fn eight(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
@@ -23,7 +23,7 @@ fn write(sheet: &Sheet<'_>, bytes: usize, out: &mut dyn Sink) -> Result<Written,
     sheet.no_voids()?;
     let (q, written) = sheet.quantizer()?;
     let header = Header { cols: sheet.cols, rows: sheet.rows, channels: sheet.channels, bytes };
-    rows(out, header, &sheet.writing.watch, |j, line| {
+    rows(out, header, &sheet.writing.work, |j, line| {
         let row = sheet.row(j);
         match bytes {
             1 => line.iter_mut().zip(row).for_each(|(o, v)| *o = q.level(*v) as u8),
@@ -54,7 +54,7 @@ const LEVEL: u32 = 4;
 fn rows(
     out: &mut dyn Sink,
     header: Header,
-    watch: &Watch<'_>,
+    work: &Work<'_>,
     fill: impl Fn(usize, &mut [u8]) + Sync,
 ) -> Result<(), WriteError> {
     let Header { cols, rows, channels, bytes } = header;
@@ -83,7 +83,7 @@ fn rows(
         let adler = bands::Adler::of(&filtered);
         (bands::deflate_part(&filtered, LEVEL, band.last), adler)
     };
-    bands::in_order(&split, watch, deflate, |band, (packed, adler)| {
+    bands::in_order(&split, work, deflate, |band, (packed, adler)| {
         sum = sum.then(adler);
         let head: &[u8] = if band.first_row == 0 { &[0x78, 0x5e] } else { &[] };
         let tail = sum.value().to_be_bytes();

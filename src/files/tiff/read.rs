@@ -7,12 +7,12 @@ use super::super::height::{HeightFile, Limits, Origin, filled};
 use super::super::input::{Claim, Input};
 use super::super::place::Placement;
 use super::super::voids::strike;
-use super::super::watch::Watch;
 use super::super::{wkt, world};
 use super::ifd::Directory;
 use super::layout::{Chunks, Layout};
 use super::{CODEC, gdal, geo, tag};
 use crate::source::ReadAt;
+use crate::work::Work;
 
 /// What the first directory claims.
 pub(super) fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
@@ -30,10 +30,10 @@ pub(super) fn claim(input: &Input<'_>) -> Result<Claim, Fault> {
 
 /// Reads the first picture of a file.
 pub(super) fn read(input: &Input<'_>) -> Result<HeightFile, Fault> {
-    let picture = Picture::open(Directory::first(input.bytes)?, input.limits, input.watch)?;
+    let picture = Picture::open(Directory::first(input.bytes)?, input.limits, input.work)?;
     let layout = &picture.layout;
     let band = band(layout, input.reading.channel.as_deref())?;
-    let mut data = filled(layout.cols * layout.rows, 0.0, &input.watch)?;
+    let mut data = filled(layout.cols * layout.rows, 0.0, &input.work)?;
     let metadata = gdal::Metadata::of(&picture.directory)?;
     let nodata = picture.directory.text(tag::GDAL_NODATA)?.and_then(|t| gdal::number(&t));
     picture.heights(band, nodata, &mut data)?;
@@ -96,13 +96,13 @@ pub(in super::super) fn strike_mask(
     if layout.working_bytes().saturating_mul(at_once) > mask_bytes(samples) - 4 * samples {
         return Err(Fault::unsupported("its strips or tiles are far larger than it"));
     }
-    let picture = Picture::open(directory, input.limits, input.watch)?;
+    let picture = Picture::open(directory, input.limits, input.work)?;
     Chunks::plausible(&picture.directory, &picture.layout)?;
     // GDAL gives each band a mask of its own, or all the first.
     let band = input.reading.channel.as_deref().and_then(|c| c.parse::<usize>().ok()).unwrap_or(1);
     let band = if (1..=picture.layout.bands).contains(&band) { band - 1 } else { 0 };
     // The heights are as they were until the mask was read to its end.
-    let mut clear = filled(file.data.len(), 0.0, &input.watch)?;
+    let mut clear = filled(file.data.len(), 0.0, &input.work)?;
     picture.each(
         band,
         &mut clear,
@@ -149,7 +149,7 @@ struct Picture<'a> {
     directory: Directory<'a>,
     layout: Layout,
     chunks: Chunks,
-    watch: Watch<'a>,
+    work: Work<'a>,
 }
 
 /// What a thread unpacks into.
@@ -161,11 +161,11 @@ struct Scratch {
 }
 
 impl<'a> Picture<'a> {
-    fn open(directory: Directory<'a>, limits: &Limits, watch: Watch<'a>) -> Result<Self, Fault> {
+    fn open(directory: Directory<'a>, limits: &Limits, work: Work<'a>) -> Result<Self, Fault> {
         let layout = Layout::of(&directory, limits)?;
         Chunks::check(&directory, &layout)?;
         let chunks = Chunks::of(&directory, &layout)?;
-        Ok(Self { directory, layout, chunks, watch })
+        Ok(Self { directory, layout, chunks, work })
     }
 
     /// Reads the heights of a band, voids as NaN.
@@ -231,7 +231,7 @@ impl<'a> Picture<'a> {
                 && size == [self.layout.cols, self.layout.rows].map(|n| Some(n as u64))
         };
         let found = self.directory.others().into_iter().find(is_mask)?;
-        Some(Self::open(found, limits, self.watch))
+        Some(Self::open(found, limits, self.work))
     }
 
     /// Gives each sample of a band to `put`, with its place in the data, and each run of samples that the file leaves
@@ -248,7 +248,7 @@ impl<'a> Picture<'a> {
         let lines = data.par_chunks_mut(layout.cols * rows_of_chunk).enumerate();
         lines.try_for_each_init(Scratch::default, |scratch, (j, out)| {
             for i in 0..layout.across()[0] {
-                self.watch.go_on()?;
+                self.work.check()?;
                 self.chunk(band, [i, j], scratch, out, &put, &miss)?;
             }
             Ok(())
@@ -279,14 +279,14 @@ impl<'a> Picture<'a> {
         }
         let (line, rows) = (layout.line(), outs.len());
         let want = line * rows;
-        let found = layout.compression.unpack(packed, want, unpacked, &self.watch)?;
+        let found = layout.compression.unpack(packed, want, unpacked, &self.work)?;
         if found < want {
             let what = if layout.tiled { "an unpacked tile" } else { "an unpacked strip" };
             return Err(Fault::Short { what, want: want as u64, found: found as u64 });
         }
         let how = layout.row(band);
         for (line, out) in unpacked.chunks_exact(line).zip(outs) {
-            self.watch.go_on()?;
+            self.work.check()?;
             row.clear();
             row.extend_from_slice(line);
             how.unpredict(layout.predictor, row);

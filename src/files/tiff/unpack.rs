@@ -7,7 +7,7 @@ use lzma_rust2::XzReader;
 use ruzstd::decoding::{FrameDecoder, StreamingDecoder};
 
 use super::super::error::Fault;
-use super::super::watch::Watch;
+use crate::work::Work;
 
 /// Most memory of an LZMA decoder, in KiB: the dictionary of the highest preset, and what stands around it.
 const LZMA_KIB: u32 = 72 * 1024;
@@ -74,24 +74,24 @@ impl Compression {
         packed: &[u8],
         want: usize,
         buffer: &mut Vec<u8>,
-        watch: &Watch<'_>,
+        work: &Work<'_>,
     ) -> Result<usize, Fault> {
         buffer.clear();
         buffer.try_reserve_exact(want).map_err(|_| Fault::NoMemory { bytes: want as u64 })?;
         match self {
             Self::None => buffer.extend_from_slice(&packed[..want.min(packed.len())]),
-            Self::Deflate => inflate(packed, want, buffer, watch)?,
-            Self::Lzw => lzw(packed, want, buffer, watch)?,
-            Self::PackBits => unpack_bits(packed, want, buffer, watch)?,
+            Self::Deflate => inflate(packed, want, buffer, work)?,
+            Self::Lzw => lzw(packed, want, buffer, work)?,
+            Self::PackBits => unpack_bits(packed, want, buffer, work)?,
             Self::Zstd => {
                 let mut frames = FrameDecoder::new();
                 frames.set_max_window_size(window(want as u64));
                 let mut decoder = StreamingDecoder::new_with_decoder(packed, frames).map_err(does_not)?;
-                take(&mut decoder, want, buffer, watch)?;
+                take(&mut decoder, want, buffer, work)?;
             }
             Self::Lzma => {
                 let mut decoder = XzReader::new_mem_limit(packed, false, LZMA_KIB);
-                take(&mut decoder, want, buffer, watch)?;
+                take(&mut decoder, want, buffer, work)?;
             }
         }
         Ok(buffer.len())
@@ -111,9 +111,9 @@ fn does_not(why: impl std::fmt::Display) -> Fault {
 const PIECE: usize = 1 << 22;
 
 /// Takes bytes from a decoder until there are enough.
-fn take(decoder: &mut impl Read, want: usize, buffer: &mut Vec<u8>, watch: &Watch<'_>) -> Result<(), Fault> {
+fn take(decoder: &mut impl Read, want: usize, buffer: &mut Vec<u8>, work: &Work<'_>) -> Result<(), Fault> {
     while buffer.len() < want {
-        watch.go_on()?;
+        work.check()?;
         let piece = (want - buffer.len()).min(PIECE);
         if decoder.by_ref().take(piece as u64).read_to_end(buffer).map_err(does_not)? == 0 {
             break;
@@ -128,12 +128,12 @@ fn fill(
     mut packed: &[u8],
     want: usize,
     buffer: &mut Vec<u8>,
-    watch: &Watch<'_>,
+    work: &Work<'_>,
     mut step: impl FnMut(&[u8], &mut [u8]) -> Result<(usize, usize, bool), Fault>,
 ) -> Result<(), Fault> {
     let mut filled = 0;
     loop {
-        watch.go_on()?;
+        work.check()?;
         let end = want.min(filled + PIECE);
         if buffer.len() < end {
             buffer.resize(end, 0);
@@ -148,9 +148,9 @@ fn fill(
     }
 }
 
-fn inflate(packed: &[u8], want: usize, buffer: &mut Vec<u8>, watch: &Watch<'_>) -> Result<(), Fault> {
+fn inflate(packed: &[u8], want: usize, buffer: &mut Vec<u8>, work: &Work<'_>) -> Result<(), Fault> {
     let mut inflate = Decompress::new(true);
-    fill(packed, want, buffer, watch, |packed, out| {
+    fill(packed, want, buffer, work, |packed, out| {
         let before = [inflate.total_in(), inflate.total_out()];
         let status = inflate.decompress(packed, out, FlushDecompress::None).map_err(does_not)?;
         let [taken, given] = [inflate.total_in() - before[0], inflate.total_out() - before[1]];
@@ -158,9 +158,9 @@ fn inflate(packed: &[u8], want: usize, buffer: &mut Vec<u8>, watch: &Watch<'_>) 
     })
 }
 
-fn lzw(packed: &[u8], want: usize, buffer: &mut Vec<u8>, watch: &Watch<'_>) -> Result<(), Fault> {
+fn lzw(packed: &[u8], want: usize, buffer: &mut Vec<u8>, work: &Work<'_>) -> Result<(), Fault> {
     let mut decoder = weezl::decode::Decoder::with_tiff_size_switch(weezl::BitOrder::Msb, 8);
-    fill(packed, want, buffer, watch, |packed, out| {
+    fill(packed, want, buffer, work, |packed, out| {
         let step = decoder.decode_bytes(packed, out);
         let status = step.status.map_err(does_not)?;
         Ok((step.consumed_in, step.consumed_out, !matches!(status, weezl::LzwStatus::Ok)))
@@ -168,11 +168,11 @@ fn lzw(packed: &[u8], want: usize, buffer: &mut Vec<u8>, watch: &Watch<'_>) -> R
 }
 
 /// Undoes run-length packing (TIFF 6.0, section 9).
-fn unpack_bits(mut packed: &[u8], want: usize, out: &mut Vec<u8>, watch: &Watch<'_>) -> Result<(), Fault> {
+fn unpack_bits(mut packed: &[u8], want: usize, out: &mut Vec<u8>, work: &Work<'_>) -> Result<(), Fault> {
     let mut pause = 0;
     while out.len() < want {
         if out.len() >= pause {
-            watch.go_on()?;
+            work.check()?;
             pause = out.len() + PIECE;
         }
         let [code, rest @ ..] = packed else { break };

@@ -9,10 +9,10 @@ use super::super::error::WriteError;
 use super::super::place::Placement;
 use super::super::quantize::Quantizer;
 use super::super::sheet::{Sheet, Sink, little_floats, little_words};
-use super::super::watch::Watch;
 use super::super::write::Written;
 use super::{geo, tag};
 use crate::value::Quantity;
+use crate::work::Work;
 
 /// Writes floats.
 pub(super) fn floats(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
@@ -22,7 +22,7 @@ pub(super) fn floats(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, W
     };
     let fill = nodata.map_or(f32::NAN, |v| v as f32);
     let layout = Layout::of(sheet, Kind::F32, nodata, None);
-    write(out, &layout, &sheet.writing.watch, |j, line| little_floats(line, sheet.row(j), fill))?;
+    write(out, &layout, &sheet.writing.work, |j, line| little_floats(line, sheet.row(j), fill))?;
     Ok(Written::default())
 }
 
@@ -41,7 +41,7 @@ pub(super) fn integers(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written,
     let layout = Layout::of(sheet, Kind::U16, code, scaling);
     let void = code.unwrap_or(0.0) as u16;
     let of = |v: f32| if v.is_nan() { void } else { q.level(v) as u16 };
-    write(out, &layout, &sheet.writing.watch, |j, line| little_words(line, sheet.row(j), of))?;
+    write(out, &layout, &sheet.writing.work, |j, line| little_words(line, sheet.row(j), of))?;
     Ok(written)
 }
 
@@ -56,7 +56,7 @@ fn whole_metres(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteE
     let voids = sheet.nodata.is_some() || sheet.has_voids();
     let layout = Layout::of(sheet, Kind::I16, voids.then_some(-32768.0), None);
     let of = |v: f32| if v.is_nan() { i16::MIN as u16 } else { (q.level(v) - 32767) as i16 as u16 };
-    write(out, &layout, &sheet.writing.watch, |j, line| little_words(line, sheet.row(j), of))?;
+    write(out, &layout, &sheet.writing.work, |j, line| little_words(line, sheet.row(j), of))?;
     Ok(written)
 }
 
@@ -109,7 +109,7 @@ const CLASSIC: u64 = 4_000_000_000;
 fn write(
     out: &mut dyn Sink,
     layout: &Layout<'_>,
-    watch: &Watch<'_>,
+    work: &Work<'_>,
     fill: impl Fn(usize, &mut [u8]) + Sync,
 ) -> Result<(), WriteError> {
     let Layout { cols, rows, bands, kind, .. } = *layout;
@@ -134,7 +134,7 @@ fn write(
     };
     let mut at = header.len() as u64 + if big { 8 } else { 4 };
     let (mut offsets, mut counts) = (Vec::new(), Vec::new());
-    bands::in_order(&split, watch, press, |_, strip| {
+    bands::in_order(&split, work, press, |_, strip| {
         offsets.push(at);
         counts.push(strip.len() as u64);
         at += strip.len() as u64;

@@ -10,8 +10,8 @@ use crate::kit::diffusion::problem::{Problem, constraint};
 use crate::kit::diffusion::scratch::Scratch;
 use crate::kit::diffusion::setup::coarsen;
 use crate::kit::diffusion::split::{Split, measure, zeros};
-use crate::kit::diffusion::watch::{Cancelled, Silent, Watch};
 use crate::kit::simd::Level as Simd;
+use crate::work::{Cancelled, Work};
 
 /// Rounds that do not lower the error by this factor end the work.
 const STALL: f64 = 0.5;
@@ -37,8 +37,8 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    pub(crate) fn new(problem: &Problem<'_>, simd: Simd, watch: &dyn Watch) -> Result<Self, Cancelled> {
-        let (levels, coarsest) = coarsen(finest(problem, simd), simd, watch)?;
+    pub(crate) fn new(problem: &Problem<'_>, simd: Simd, work: &Work<'_>) -> Result<Self, Cancelled> {
+        let (levels, coarsest) = coarsen(finest(problem, simd), simd, work)?;
         let vector = || zeros(problem.cols, problem.rows);
         Ok(Self { grid: Multigrid { levels, coarsest, simd }, r: vector(), e: vector(), p: vector() })
     }
@@ -50,13 +50,13 @@ pub(crate) fn start(
     extent: Extent,
     scratch: &mut Scratch,
     simd: Simd,
-    watch: &dyn Watch,
+    work: &Work<'_>,
 ) -> Result<Vec<f32>, Cancelled> {
     let offset = extent.offset();
     let mut field = if problem.guidance.is_some() {
         // Where guidance leaves the height open, as in flow that comes from the border, this decides.
         let open = Extent { bounded: false, ..extent };
-        let mut field = cascade(problem, open, scratch, simd, &Within(watch))?;
+        let mut field = cascade(problem, open, scratch, simd, &work.quiet())?;
         // The levels need the room.
         scratch.clear();
         field.par_iter_mut().for_each(|v| *v -= offset);
@@ -81,15 +81,15 @@ pub(crate) fn converge(
     (tolerance, most): (f64, usize),
     prepared: &mut Prepared,
     mut field: Vec<f32>,
-    watch: &dyn Watch,
+    work: &Work<'_>,
 ) -> Result<Converged, Cancelled> {
     let (cols, offset) = (problem.cols, extent.offset());
     let guided = problem.guidance.is_some();
     let band = JOB / cols + 1;
     let Prepared { grid, r, e, p } = prepared;
     let simd = grid.simd;
-    watch.progress(0.2);
-    let mut journal = Journal { watch, cycles: 0, most, history: Vec::new(), done: 0.2 };
+    work.report(0.2);
+    let mut journal = Journal { work, cycles: 0, most, history: Vec::new(), done: 0.2 };
     let (mut last, mut left, mut best) = (f64::INFINITY, f64::INFINITY, None);
     let (range, converged) = loop {
         let range = spread(&field).max(f64::from(extent.high - extent.low));
@@ -151,17 +151,4 @@ fn spread(field: &[f32]) -> f64 {
         .map(|block| block.iter().fold((f32::MAX, f32::MIN), |(low, high), &v| (low.min(v), high.max(v))));
     let (low, high) = blocks.reduce(|| (f32::MAX, f32::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     f64::from(high) - f64::from(low)
-}
-
-/// Passes cancellation on, and no progress.
-struct Within<'a>(&'a dyn Watch);
-
-impl Watch for Within<'_> {
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
-
-    fn progress(&self, done: f32) {
-        Silent.progress(done);
-    }
 }

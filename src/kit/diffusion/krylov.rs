@@ -2,7 +2,7 @@
 
 use crate::kit::diffusion::cycle::Multigrid;
 use crate::kit::diffusion::split::{Split, advance, combine, dot, measure, zeros};
-use crate::kit::diffusion::watch::{Cancelled, Watch};
+use crate::work::{Cancelled, Work};
 
 /// The estimated error over the largest element of the preconditioned residual. A V-cycle finds well over half of
 /// the error, so this is on the safe side.
@@ -16,7 +16,7 @@ const BROKEN: f64 = 1e12;
 
 /// When to stop, and what happened so far.
 pub(crate) struct Journal<'a> {
-    pub(crate) watch: &'a dyn Watch,
+    pub(crate) work: &'a Work<'a>,
     /// V-cycles done.
     pub(crate) cycles: usize,
     /// V-cycles allowed.
@@ -30,13 +30,13 @@ pub(crate) struct Journal<'a> {
 impl Journal<'_> {
     /// Runs a V-cycle; gives the product of its result with the residual, and the estimated error.
     fn precondition(&mut self, grid: &mut Multigrid, r: &Split) -> Result<(f64, f64), Cancelled> {
-        self.watch.check()?;
+        self.work.check()?;
         grid.cycle(r);
         self.cycles += 1;
         let (product, most) = measure(grid.simd, r, &grid.levels[0].u);
         // Ten digits or so lie between the first error and the last.
         self.done += (0.95 - self.done) * 0.15;
-        self.watch.progress(self.done);
+        self.work.report(self.done);
         Ok((product, SAFETY * most))
     }
 

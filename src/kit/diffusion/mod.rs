@@ -58,12 +58,11 @@ mod setup;
 mod solve;
 mod solver;
 mod split;
-mod watch;
 
+pub use crate::work::Cancelled;
 pub use direction::renormalise;
 pub use paper::scratch;
 pub use plate::{Plate, bend};
 pub use problem::{Guidance, Problem};
 pub use solve::{Error, Quality, Solution, solve};
 pub use solver::Solver;
-pub use watch::{Cancelled, Silent, Watch};

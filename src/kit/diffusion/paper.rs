@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use crate::kit::diffusion::problem::{Equation, FAINT, HUGE, Problem, constraint};
 use crate::kit::diffusion::pyramid::{Coarse, Halving, Maps};
 use crate::kit::diffusion::scratch::Scratch;
-use crate::kit::diffusion::watch::{Cancelled, Watch};
 use crate::kit::simd::{Kernel, Level, larger, smaller};
+use crate::work::{Cancelled, Work};
 
 /// Sweeps per level: this times the number of levels from the finest down to it, itself included.
 const SWEEPS: usize = 5;
@@ -49,7 +49,7 @@ pub(crate) fn cascade(
     extent: Extent,
     scratch: &mut Scratch,
     level: Level,
-    watch: &dyn Watch,
+    work: &Work<'_>,
 ) -> Result<Vec<f32>, Cancelled> {
     let mut coarse: Vec<Maps> = Vec::new();
     let strongest = finest.strongest_guidance();
@@ -58,18 +58,18 @@ pub(crate) fn cascade(
         if last.len() <= 1 {
             break;
         }
-        watch.check()?;
+        work.check()?;
         let next = Maps::halved(&last, strongest, scratch, level);
         coarse.push(next);
     }
-    watch.progress(0.2);
+    work.report(0.2);
     let (mut field, mut spare): (Vec<f32>, Vec<f32>) = Default::default();
     for k in (0..=coarse.len()).rev() {
         let problem = if k == 0 { *finest } else { coarse[k - 1].problem() };
         let sweeps = SWEEPS * (k + 1);
         let parts = sweeps.div_ceil(FUSED);
         for part in 0..parts {
-            watch.check()?;
+            work.check()?;
             let from = match part {
                 0 if field.is_empty() => Start::Zero,
                 0 => Start::Coarse(Coarse {
@@ -86,11 +86,11 @@ pub(crate) fn cascade(
                 scratch.keep(std::mem::take(&mut next));
                 next = scratch.take(problem.len());
             }
-            sweep(&problem, extent.offset(), some, from, finish, scratch, level, watch, &mut next)?;
+            sweep(&problem, extent.offset(), some, from, finish, scratch, level, work, &mut next)?;
             spare = std::mem::replace(&mut field, next);
         }
         coarse.drain(k.saturating_sub(1)..).for_each(|maps| maps.keep(scratch));
-        watch.progress(1.0 - 0.8 * k as f32 / (k + 1) as f32);
+        work.report(1.0 - 0.8 * k as f32 / (k + 1) as f32);
     }
     scratch.keep(spare);
     Ok(field)
@@ -114,7 +114,7 @@ fn sweep(
     finish: Option<Extent>,
     scratch: &Scratch,
     level: Level,
-    watch: &dyn Watch,
+    work: &Work<'_>,
     out: &mut [f32],
 ) -> Result<(), Cancelled> {
     let guided = problem.guidance.is_some();
@@ -123,7 +123,7 @@ fn sweep(
     let wide = problem.cols.min(WIDE) + 2 * margin + 2;
     let high = (TILE / arrays / wide).saturating_sub(2 * margin + 2).clamp(32, 4 * WIDE);
     let one = |band: usize, rows: &mut [f32]| {
-        watch.check()?;
+        work.check()?;
         let mut tile = scratch.take_tile();
         tile.fit(wide, high + 2 * margin + 2, guided);
         let span = (band * high, band * high + rows.len() / problem.cols);

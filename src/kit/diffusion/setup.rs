@@ -9,8 +9,8 @@ use crate::kit::diffusion::dense::Dense;
 use crate::kit::diffusion::galerkin::{Product, reach};
 use crate::kit::diffusion::level::{BACK, DIRECTIONS, Level, Pull};
 use crate::kit::diffusion::split::{Deal, Plane, Split, bands, neighbour, zeros};
-use crate::kit::diffusion::watch::{Cancelled, Watch};
 use crate::kit::simd::{Kernel, Level as Simd, larger};
+use crate::work::{Cancelled, Work};
 
 /// Cells up to which a level is solved by its inverse.
 const DENSE: usize = 64;
@@ -18,14 +18,10 @@ const DENSE: usize = 64;
 const TINY: f32 = 1e-6;
 
 /// Makes all coarse levels of a finest one.
-pub(crate) fn coarsen(
-    finest: Level,
-    simd: Simd,
-    watch: &dyn Watch,
-) -> Result<(Vec<Level>, Dense), Cancelled> {
+pub(crate) fn coarsen(finest: Level, simd: Simd, work: &Work<'_>) -> Result<(Vec<Level>, Dense), Cancelled> {
     let mut levels = vec![finest];
     loop {
-        watch.check()?;
+        work.check()?;
         let Some(last) = levels.last_mut() else { break };
         if last.cols * last.rows <= DENSE {
             last.excess = None;

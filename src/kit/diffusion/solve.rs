@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::kit::diffusion::problem::Problem;
 use crate::kit::diffusion::solver::Solver;
-use crate::kit::diffusion::watch::{Cancelled, Watch};
+use crate::work::{Cancelled, Work};
 
 /// How well a problem is solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,16 +90,16 @@ impl std::error::Error for Error {}
 /// constraints, and strict constraints are met to the bit.
 ///
 /// # Errors
-/// [`Error::Length`] when an array does not fit the grid; [`Error::Cancelled`] when the watch asks to stop.
-pub fn solve(problem: &Problem<'_>, quality: Quality, watch: &dyn Watch) -> Result<Solution, Error> {
-    Solver::new(quality).solve(problem, watch)
+/// [`Error::Length`] when an array does not fit the grid; [`Error::Cancelled`] when the work was asked to stop.
+pub fn solve(problem: &Problem<'_>, quality: Quality, work: &Work<'_>) -> Result<Solution, Error> {
+    Solver::new(quality).solve(problem, work)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kit::diffusion::watch::Silent;
     use crate::kit::simd::Level;
+    use crate::work::Work;
 
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
@@ -120,7 +120,8 @@ mod tests {
         for guidance in [None, Some(guidance)] {
             let problem = Problem { cols, rows, fixed: &fixed, target: &target, guidance, source: None };
             for quality in [Quality::Paper, Quality::CONVERGED] {
-                let run = |level| Solver::at(quality, level).solve(&problem, &Silent).expect("solves");
+                let run =
+                    |level| Solver::at(quality, level).solve(&problem, &Work::default()).expect("solves");
                 let base = run(Level::BASELINE);
                 for level in Level::available() {
                     let other = run(level);

@@ -7,8 +7,8 @@ use crate::kit::diffusion::paper::{Extent, cascade};
 use crate::kit::diffusion::problem::{HUGE, Problem};
 use crate::kit::diffusion::scratch::Scratch;
 use crate::kit::diffusion::solve::{Error, Quality, Solution};
-use crate::kit::diffusion::watch::Watch;
 use crate::kit::simd::Level;
+use crate::work::Work;
 
 /// Solves problems of one size one after the other, with the same buffers: fresh memory costs as much as the work.
 pub struct Solver {
@@ -40,21 +40,21 @@ impl Solver {
     /// Solves a problem as [`solve`](crate::kit::diffusion::solve) does.
     ///
     /// # Errors
-    /// [`Error::Length`] when an array does not fit the grid; [`Error::Cancelled`] when the watch asks to stop.
-    pub fn solve(&mut self, problem: &Problem<'_>, watch: &dyn Watch) -> Result<Solution, Error> {
+    /// [`Error::Length`] when an array does not fit the grid; [`Error::Cancelled`] when the work was asked to stop.
+    pub fn solve(&mut self, problem: &Problem<'_>, work: &Work<'_>) -> Result<Solution, Error> {
         if let Some((array, found)) = problem.misfit() {
             return Err(Error::Length { array, found, expected: problem.len() });
         }
-        watch.check()?;
+        work.check()?;
         let (extent, guided) = survey(problem, self.simd);
         let problem = Problem { guidance: problem.guidance.filter(|_| guided), ..*problem };
         let shaped = guided || problem.source.is_some_and(|s| s.iter().any(|&s| s != 0.0));
         match extent {
             Some((low, high)) => {
                 let extent = Extent { low, high, bounded: !shaped };
-                self.run(&problem, extent, &mut None, watch)
+                self.run(&problem, extent, &mut None, work)
             }
-            None if shaped && problem.len() > 0 => self.anchored(&problem, watch),
+            None if shaped && problem.len() > 0 => self.anchored(&problem, work),
             None => Ok(Solution::nothing(problem.len())),
         }
     }
@@ -70,16 +70,17 @@ impl Solver {
         problem: &Problem<'_>,
         targets: usize,
         fill: impl Fn(usize, &mut [f32]),
-        watch: &dyn Watch,
+        work: &Work<'_>,
     ) -> Result<Vec<Solution>, Error> {
         let mut shared = None;
         let mut target = self.buffer(problem.len());
         let mut solutions = Vec::new();
         for k in 0..targets {
             fill(k, &mut target);
-            let watch = Share { watch, part: k, of: targets };
+            let (part, of) = (k as f32, targets as f32);
+            let work = work.stage(part / of, (part + 1.0) / of);
             let problem = Problem { target: &target, ..*problem };
-            solutions.push(self.next(&problem, &mut shared, &watch)?);
+            solutions.push(self.next(&problem, &mut shared, &work)?);
         }
         self.keep(target);
         Ok(solutions)
@@ -89,7 +90,7 @@ impl Solver {
         &mut self,
         problem: &Problem<'_>,
         shared: &mut Option<Prepared>,
-        watch: &dyn Watch,
+        work: &Work<'_>,
     ) -> Result<Solution, Error> {
         if let Some((array, found)) = problem.misfit() {
             return Err(Error::Length { array, found, expected: problem.len() });
@@ -99,17 +100,17 @@ impl Solver {
         let converged = matches!(self.quality, Quality::Converged { .. });
         // Which constraints there are depends on the target where that is not sound.
         if !plain || converged && problem.fixed.par_iter().zip(problem.target).any(unsound) {
-            return self.solve(problem, watch);
+            return self.solve(problem, work);
         }
-        watch.check()?;
+        work.check()?;
         match survey(problem, self.simd).0 {
-            Some((low, high)) => self.run(problem, Extent { low, high, bounded: true }, shared, watch),
+            Some((low, high)) => self.run(problem, Extent { low, high, bounded: true }, shared, work),
             None => Ok(Solution::nothing(problem.len())),
         }
     }
 
     /// Solves with the border held at zero.
-    fn anchored(&mut self, problem: &Problem<'_>, watch: &dyn Watch) -> Result<Solution, Error> {
+    fn anchored(&mut self, problem: &Problem<'_>, work: &Work<'_>) -> Result<Solution, Error> {
         let (cols, rows) = (problem.cols, problem.rows);
         let border = |k: usize| {
             let (i, j) = (k % cols, k / cols);
@@ -118,7 +119,7 @@ impl Solver {
         let fixed: Vec<f32> = (0..problem.len()).map(|k| if border(k) { 1.0 } else { 0.0 }).collect();
         let target = vec![0.0; problem.len()];
         let anchored = Problem { fixed: &fixed, target: &target, ..*problem };
-        self.run(&anchored, Extent { low: 0.0, high: 0.0, bounded: false }, &mut None, watch)
+        self.run(&anchored, Extent { low: 0.0, high: 0.0, bounded: false }, &mut None, work)
     }
 
     /// Solves what has constraints; `prepared` is what was made of the same matrix before.
@@ -127,28 +128,28 @@ impl Solver {
         problem: &Problem<'_>,
         extent: Extent,
         prepared: &mut Option<Prepared>,
-        watch: &dyn Watch,
+        work: &Work<'_>,
     ) -> Result<Solution, Error> {
         let (simd, scratch) = (self.simd, &mut self.scratch);
         let solution = match self.quality {
             Quality::Paper => {
-                let field = cascade(problem, extent, scratch, simd, watch)?;
+                let field = cascade(problem, extent, scratch, simd, work)?;
                 Solution { field, cycles: 0, history: Vec::new(), converged: true }
             }
             Quality::Converged { tolerance, cycles } => {
-                let field = start(problem, extent, scratch, simd, watch)?;
-                watch.progress(0.1);
+                let field = start(problem, extent, scratch, simd, work)?;
+                work.report(0.1);
                 let prepared = match prepared {
                     Some(prepared) => prepared,
-                    None => prepared.insert(Prepared::new(problem, simd, watch)?),
+                    None => prepared.insert(Prepared::new(problem, simd, work)?),
                 };
-                let found = converge(problem, extent, (tolerance, cycles), prepared, field, watch)?;
+                let found = converge(problem, extent, (tolerance, cycles), prepared, field, work)?;
                 let scale = if found.range > 0.0 { 1.0 / found.range } else { 1.0 };
                 let history: Vec<f64> = found.history.iter().map(|e| e * scale).collect();
                 Solution { field: found.field, cycles: found.cycles, history, converged: found.converged }
             }
         };
-        watch.progress(1.0);
+        work.report(1.0);
         Ok(solution)
     }
 }
@@ -160,21 +161,4 @@ fn survey(problem: &Problem<'_>, level: Level) -> (Option<(f32, f32)>, bool) {
         .map(|j| problem.survey(level, j))
         .reduce(|| (HUGE, -HUGE, false), |a, b| (a.0.min(b.0), a.1.max(b.1), a.2 || b.2));
     ((low <= high).then_some((low, high)), guided)
-}
-
-/// The part of the work that one of several solutions is.
-struct Share<'a> {
-    watch: &'a dyn Watch,
-    part: usize,
-    of: usize,
-}
-
-impl Watch for Share<'_> {
-    fn cancelled(&self) -> bool {
-        self.watch.cancelled()
-    }
-
-    fn progress(&self, done: f32) {
-        self.watch.progress((self.part as f32 + done) / self.of as f32);
-    }
 }

@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::node::{Context, Result};
+use crate::node::Result;
 use crate::value::{Field, Grid};
+use crate::work::{Cancelled, Work};
 
 /// Columns of the lines for a step of the base grid, as a fraction: those of the window where it is finer.
 pub(super) fn columns_scale((base, window): (f64, f64)) -> (f64, f64) {
@@ -84,7 +85,7 @@ impl Part {
 impl Lines {
     /// Draws the rows of a level out to some columns.
     pub(super) fn new(
-        cx: &Context<'_>,
+        work: &Work<'_>,
         level: &Field,
         spacing: i64,
         (first, cols): (i64, usize),
@@ -106,12 +107,12 @@ impl Lines {
             (0..remainders).flat_map(|r| (0..part).map(move |i| sample(column(r, i)))).collect();
         let mut data = vec![0.0f32; samples.len() * grid.rows];
         data.par_chunks_mut(samples.len().max(1)).enumerate().try_for_each(|(j, out)| {
-            cx.check()?;
+            work.check()?;
             let row = level.row(j);
             for (o, &(a, b, share)) in out.iter_mut().zip(&samples) {
                 *o = row[a] + share * (row[b] - row[a]);
             }
-            Ok(())
+            Ok::<(), Cancelled>(())
         })?;
         Ok(Self { data, part, remainders, first: [start, grid.row], spacing: spacing as f64 })
     }

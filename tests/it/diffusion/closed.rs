@@ -1,12 +1,13 @@
 //! Closed forms.
 
-use orograph::kit::diffusion::{Quality, Silent, Solution, solve};
+use orograph::kit::diffusion::{Quality, Solution, solve};
+use orograph::work::Work;
 
 use super::scenes::Scene;
 
 fn both(s: &Scene) -> [(&'static str, Solution); 2] {
     [("paper", Quality::Paper), ("converged", Quality::CONVERGED)]
-        .map(|(name, quality)| (name, solve(&s.problem(), quality, &Silent).expect("solves")))
+        .map(|(name, quality)| (name, solve(&s.problem(), quality, &Work::default()).expect("solves")))
 }
 
 #[test]
@@ -75,7 +76,7 @@ fn guidance_alone_carries_the_slope_from_one_line() {
     }
     let map = |v: f32| vec![v; n * n];
     s.guidance = Some([map(1.0), map(1.0), map(0.0), map(0.3)]);
-    let solution = solve(&s.problem(), Quality::CONVERGED, &Silent).expect("solves");
+    let solution = solve(&s.problem(), Quality::CONVERGED, &Work::default()).expect("solves");
     assert!(solution.converged);
     for (k, &v) in solution.field.iter().enumerate() {
         let truth = 50.0 + 3.0 * (k % n) as f32;
@@ -96,7 +97,7 @@ fn a_null_slope_keeps_the_height() {
     let map = |f: &dyn Fn(f32) -> f32| (0..81 * 81).map(|k| f((k % 81) as f32 - 40.0)).collect::<Vec<f32>>();
     s.guidance =
         Some([map(&|x| if x.abs() < 20.0 { 0.9 } else { 0.0 }), map(&|x| x), map(&|_| 0.0), map(&|_| 0.0)]);
-    let solution = solve(&s.problem(), Quality::CONVERGED, &Silent).expect("solves");
+    let solution = solve(&s.problem(), Quality::CONVERGED, &Work::default()).expect("solves");
     assert!((solution.field[40 * 81 + 50] - 10.0).abs() < 0.01);
     assert!(solution.field[40 * 81 + 70] < 5.1);
 }
@@ -225,7 +226,7 @@ fn the_papers_sweeps_do_not_dip_the_land_beside_a_narrow_trench() {
         }
     }
     s.guidance = Some([weight, x, y, slope]);
-    let solution = solve(&s.problem(), Quality::Paper, &Silent).expect("solves");
+    let solution = solve(&s.problem(), Quality::Paper, &Work::default()).expect("solves");
     let row = &solution.field[n / 2 * n..][..n];
     let (bottom, beside) = (100.0 - f64::from(row[100]), 100.0 - f64::from(row[130]));
     assert!(beside < 0.1 * depth, "{beside} beside a depth of {depth}");

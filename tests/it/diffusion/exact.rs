@@ -1,6 +1,7 @@
 //! The converged field against an exact solve, written here from the definition alone.
 
-use orograph::kit::diffusion::{Quality, Silent, solve};
+use orograph::kit::diffusion::{Quality, solve};
+use orograph::work::Work;
 
 use super::scenes::Scene;
 
@@ -76,7 +77,7 @@ fn exact(s: &Scene) -> Vec<f64> {
 /// The largest error over the range; the solver must say that it converged, and not claim less than it has.
 fn error(s: &Scene) -> f64 {
     let truth = exact(s);
-    let found = solve(&s.problem(), Quality::CONVERGED, &Silent).expect("solves");
+    let found = solve(&s.problem(), Quality::CONVERGED, &Work::default()).expect("solves");
     assert!(found.converged, "{:?}", found.history);
     // The range is that of constraints and field together.
     let held = (0..s.fixed.len()).filter(|&k| s.fixed[k] > 0.0).map(|k| f64::from(s.target[k]));

@@ -1,6 +1,7 @@
 //! Thin plates.
 
-use orograph::kit::diffusion::{Error, Plate, Silent, Solution, bend};
+use orograph::kit::diffusion::{Error, Plate, Solution, bend};
+use orograph::work::Work;
 
 use super::scenes::Scene;
 
@@ -8,7 +9,7 @@ const TOLERANCE: f64 = 1e-5;
 
 fn solve(s: &Scene) -> Solution {
     let plate = Plate { cols: s.cols, rows: s.rows, known: &s.fixed, value: &s.target };
-    bend(&plate, TOLERANCE, 200, &Silent).expect("solves")
+    bend(&plate, TOLERANCE, 200, &Work::default()).expect("solves")
 }
 
 /// All second differences of a grid, each as cells and weights; `u_xy` counts twice.
@@ -255,6 +256,6 @@ fn the_same_bits_for_any_number_of_threads() {
 #[test]
 fn wrong_lengths_are_named() {
     let plate = Plate { cols: 3, rows: 3, known: &[0.0; 9], value: &[0.0; 8] };
-    let found = bend(&plate, TOLERANCE, 10, &Silent);
+    let found = bend(&plate, TOLERANCE, 10, &Work::default());
     assert_eq!(found, Err(Error::Length { array: "value", found: 8, expected: 9 }));
 }

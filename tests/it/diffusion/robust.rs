@@ -3,7 +3,8 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use orograph::kit::diffusion::{Error, Problem, Quality, Silent, Solver, Watch, solve};
+use orograph::kit::diffusion::{Error, Quality, solve};
+use orograph::work::{Cancel, Work};
 
 use super::scenes::Scene;
 
@@ -15,7 +16,7 @@ fn the_same_bits_for_any_number_of_threads() {
         for quality in QUALITIES {
             let run = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-                pool.install(|| solve(&s.problem(), quality, &Silent)).expect("solves")
+                pool.install(|| solve(&s.problem(), quality, &Work::default())).expect("solves")
             };
             let one = run(1);
             for threads in [2, 7] {
@@ -55,7 +56,7 @@ fn any_size() {
             }
             for guided in [false, true] {
                 s.guidance = guided.then(|| [vec![0.5; n], vec![1.0; n], vec![-0.5; n], vec![0.1; n]]);
-                let solution = solve(&s.problem(), quality, &Silent).expect("solves");
+                let solution = solve(&s.problem(), quality, &Work::default()).expect("solves");
                 assert_eq!(solution.field.len(), n);
                 assert!(solution.field.iter().all(|v| v.is_finite()), "{cols}x{rows} {quality:?} {guided}");
             }
@@ -66,7 +67,7 @@ fn any_size() {
 #[test]
 fn nothing_gives_zero() {
     for quality in QUALITIES {
-        let solution = solve(&Scene::empty(50, 40).problem(), quality, &Silent).expect("solves");
+        let solution = solve(&Scene::empty(50, 40).problem(), quality, &Work::default()).expect("solves");
         assert!(solution.converged && solution.field.iter().all(|&v| v == 0.0));
     }
 }
@@ -78,7 +79,7 @@ fn all_fixed_is_all_held() {
         s.fix(k % 33, k / 33, 1.0, k as f32);
     }
     for quality in QUALITIES {
-        assert_eq!(solve(&s.problem(), quality, &Silent).expect("solves").field, s.target);
+        assert_eq!(solve(&s.problem(), quality, &Work::default()).expect("solves").field, s.target);
     }
 }
 
@@ -92,7 +93,7 @@ fn slopes_without_elevation_hang_on_the_border() {
         x.iter_mut().chain(y).chain(slope).for_each(|v| *v = -*v);
     }
     for quality in QUALITIES {
-        let solution = solve(&s.problem(), quality, &Silent).expect("solves");
+        let solution = solve(&s.problem(), quality, &Work::default()).expect("solves");
         assert_eq!(solution.field[0], 0.0);
         assert!(solution.converged, "{:?}", solution.history);
         assert!(solution.field.iter().all(|v| v.abs() < 20.0));
@@ -122,7 +123,7 @@ fn hostile_input_gives_finite_fields() {
         s.source = (round % 4 == 1).then(&mut map);
         s.cell = if round == 4 { f32::NAN } else { 2.0 };
         for quality in [Quality::Paper, Quality::Converged { tolerance: 1e-5, cycles: 30 }] {
-            let solution = solve(&s.problem(), quality, &Silent).expect("solves");
+            let solution = solve(&s.problem(), quality, &Work::default()).expect("solves");
             assert!(solution.field.iter().all(|v| v.is_finite()), "round {round} {quality:?}");
         }
     }
@@ -138,7 +139,7 @@ fn closed_loops_of_guidance_stay_finite() {
     let map = |f: &dyn Fn(f32, f32) -> f32| (0..n * n).map(|k| f(at(k).0, at(k).1)).collect::<Vec<f32>>();
     s.guidance = Some([map(&|_, _| 1.0), map(&|_, y| -y), map(&|x, _| x), map(&|_, _| 0.5)]);
     for quality in QUALITIES {
-        let solution = solve(&s.problem(), quality, &Silent).expect("solves");
+        let solution = solve(&s.problem(), quality, &Work::default()).expect("solves");
         let most = solution.field.iter().fold(0.0f32, |m, v| m.max(v.abs()));
         assert!(most < 1e7, "{quality:?}: {most}, {:?}", solution.history);
     }
@@ -148,57 +149,31 @@ fn closed_loops_of_guidance_stay_finite() {
 fn wrong_lengths_are_named() {
     let mut s = Scene::empty(10, 10);
     s.target.pop();
-    let found = solve(&s.problem(), Quality::Paper, &Silent);
+    let found = solve(&s.problem(), Quality::Paper, &Work::default());
     assert_eq!(found, Err(Error::Length { array: "target", found: 99, expected: 100 }));
-}
-
-/// Stops after a number of questions; keeps what it was told.
-struct Stop {
-    left: AtomicUsize,
-    told: Mutex<Vec<f32>>,
-}
-
-impl Watch for Stop {
-    fn cancelled(&self) -> bool {
-        self.left.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |n| n.checked_sub(1)).is_err()
-    }
-
-    fn progress(&self, done: f32) {
-        self.told.lock().expect("whole").push(done);
-    }
 }
 
 #[test]
 fn work_tells_and_stops() {
     let s = Scene::guided(129, 129);
     for quality in QUALITIES {
-        for left in [0, 1, 3, 8] {
-            let stop = Stop { left: AtomicUsize::new(left), told: Mutex::default() };
-            assert_eq!(solve(&s.problem(), quality, &stop), Err(Error::Cancelled), "{quality:?} {left}");
+        for most in [0, 1, 2, 3] {
+            let (cancel, told) = (Cancel::default(), AtomicUsize::new(0));
+            let stop = |_: f32| {
+                if told.fetch_add(1, Ordering::SeqCst) + 1 >= most {
+                    cancel.cancel();
+                }
+            };
+            if most == 0 {
+                cancel.cancel();
+            }
+            let work = Work::new(&cancel).telling(&stop);
+            assert_eq!(solve(&s.problem(), quality, &work), Err(Error::Cancelled), "{quality:?} {most}");
         }
-        let stop = Stop { left: AtomicUsize::new(usize::MAX), told: Mutex::default() };
-        solve(&s.problem(), quality, &stop).expect("solves");
-        let told = stop.told.into_inner().expect("whole");
+        let told = Mutex::new(Vec::new());
+        let tell = |done: f32| told.lock().expect("whole").push(done);
+        solve(&s.problem(), quality, &Work::default().telling(&tell)).expect("solves");
+        let told = told.into_inner().expect("whole");
         assert!(told.len() > 3 && told.is_sorted() && told.last() == Some(&1.0), "{told:?}");
-    }
-}
-
-#[test]
-fn several_targets_are_solved_as_one_by_one() {
-    let s = Scene::curves(131, 90);
-    let other: Vec<f32> = s.target.iter().map(|t| 3.0 - 0.5 * t + (t * 0.01).sqrt()).collect();
-    // Not a number where it counts: another set of constraints.
-    let mut odd = other.clone();
-    s.fixed.iter().zip(&mut odd).filter(|(f, _)| **f > 0.0).step_by(3).for_each(|(_, t)| *t = f32::NAN);
-    let targets: [&[f32]; 4] = [&s.target, &odd, &other, &[0.0; 131 * 90]];
-    for quality in QUALITIES {
-        let fill = |k: usize, out: &mut [f32]| out.copy_from_slice(targets[k]);
-        let all = Solver::new(quality).solve_all(&s.problem(), 4, fill, &Silent).expect("solves");
-        for (found, target) in all.iter().zip(targets) {
-            let alone = solve(&Problem { target, ..s.problem() }, quality, &Silent).expect("solves");
-            assert!(found.field.iter().zip(&alone.field).all(|(a, b)| a.to_bits() == b.to_bits()));
-            assert_eq!((&found.history, found.cycles), (&alone.history, alone.cycles));
-        }
-        assert_eq!(all.len(), 4);
     }
 }

@@ -2,8 +2,9 @@
 //! them. The fixtures were written by GDAL 3.10 (rasterio) and OpenEXR 3.5, with the samples of `foreign.rs`.
 
 use orograph::files::{
-    Affine, Anchor, Companion, Encoding, Fault, HeightFile, Input, Limits, ReadError, Reading, Units, Watch,
+    Affine, Anchor, Companion, Encoding, Fault, HeightFile, Input, Limits, ReadError, Reading, Units,
 };
+use orograph::work::Work;
 
 const COLS: usize = 21;
 const ROWS: usize = 13;
@@ -35,7 +36,7 @@ pub(super) fn try_read(
         companions: &companions,
         reading,
         limits: &limits,
-        watch: Watch::default(),
+        work: Work::default(),
     };
     let file = input.read()?;
     let claim = input.claim().expect("what can be read has a sound header");
@@ -440,7 +441,7 @@ fn float_maps_and_terragen_are_read() {
 fn reading_stops_when_it_is_asked_to() {
     let cancel = orograph::node::Cancel::default();
     cancel.cancel();
-    let watch = Watch { cancel: Some(&cancel), progress: None };
+    let work = Work::new(&cancel);
     let hdr: &[u8] = fixture!("gdal.hdr");
     let companions = [Companion { name: "a.hdr", bytes: hdr }];
     for (name, bytes) in [
@@ -457,7 +458,7 @@ fn reading_stops_when_it_is_asked_to() {
     ] {
         let (limits, reading) = (Limits::default(), Reading::default());
         let input =
-            Input { name, bytes: &bytes, companions: &companions, reading: &reading, limits: &limits, watch };
+            Input { name, bytes: &bytes, companions: &companions, reading: &reading, limits: &limits, work };
         assert_eq!(input.read().expect_err(name).fault, Fault::Cancelled, "{name}");
     }
 }
@@ -493,7 +494,7 @@ fn survives(name: &str, bytes: &[u8], beside: &[u8]) {
     let companions = ["a.hdr", "a.prj", "a.tfw", "a.json"].map(|name| Companion { name, bytes: beside });
     let companions = if beside.is_empty() { &companions[..0] } else { &companions[..3] };
     let input =
-        Input { name, bytes: &bytes, companions, reading: &reading, limits: &TIGHT, watch: Watch::default() };
+        Input { name, bytes: &bytes, companions, reading: &reading, limits: &TIGHT, work: Work::default() };
     let claim = input.claim();
     match input.read() {
         Ok(file) => {

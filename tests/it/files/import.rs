@@ -8,6 +8,7 @@ use orograph::node::{Cancel, Context, Error, Node, SourceFile};
 use orograph::nodes::files::import_height::{Fill, ImportHeight, Inputs, Interpolation, Outputs, Placing};
 use orograph::units::{Degrees, FilePath, Metres, Number};
 use orograph::value::{Field, Geo, Grid, Terrain, Value};
+use orograph::work::Work;
 
 use super::{heights, job, write};
 
@@ -209,7 +210,7 @@ fn voids_are_closed_and_come_out_as_a_mask() {
 }
 
 fn open(file: &SourceFile) -> HeightFile {
-    let bytes = file.read(&Cancel::default(), &|_| ()).expect("is in memory");
+    let bytes = file.read(&Work::default()).expect("is in memory");
     read_height(file.name(), &bytes, None, &Limits::default()).expect("reads")
 }
 
@@ -292,7 +293,7 @@ fn the_content_of_a_file_is_not_read_to_look_at_it() {
         let place = Box::new(bytes.to_vec());
         let file = SourceFile::at(name.into(), bytes.len() as u64, place, Arc::default());
         if known {
-            file.hash(&Cancel::default(), &|_| ()).expect("in memory");
+            file.hash(&Work::default()).expect("in memory");
         }
         ImportHeight { file: FilePath(name.into()), ..ImportHeight::default() }.reading(&[Arc::new(file)])
     };

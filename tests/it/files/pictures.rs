@@ -11,6 +11,7 @@ use orograph::node::{Cancel, Context, Error, Node, SourceFile};
 use orograph::nodes::files::import_picture::{ImportPicture, Inputs, Outputs, PicturePlacing};
 use orograph::units::{Degrees, FilePath, Metres};
 use orograph::value::Terrain;
+use orograph::work::Work;
 
 const COLS: usize = 37;
 const ROWS: usize = 23;
@@ -24,12 +25,12 @@ fn shown(k: usize) -> [u8; 3] {
 }
 
 fn read(name: &str, bytes: &[u8]) -> Picture {
-    Picture::read(name, bytes, &Limits::default(), &Cancel::default()).unwrap_or_else(|e| panic!("{e}"))
+    Picture::read(name, bytes, &Limits::default(), &Work::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The pixels, each component 0 to 255 as a float, as a texture gives them.
 fn pixels(picture: &Picture, mask: Channel) -> Vec<([f32; 3], f32)> {
-    let texture = Texture::new(&Arc::new(picture.clone()), mask, [1; 2], &Cancel::default());
+    let texture = Texture::new(&Arc::new(picture.clone()), mask, [1; 2], &Work::default());
     let at = |k: usize| {
         let place = [(k % picture.cols) as f64, (k / picture.cols) as f64];
         texture.at(place, Footprint([1.0; 2]), Kernel::Cubic, |m| {
@@ -213,9 +214,7 @@ fn psds_of_other_modes_are_read_or_named() {
         assert!((color[0] - f32::from(grey[k])).abs() < 0.02, "{} for {}", color[0], grey[k]);
     }
     let says = |bytes: &[u8]| {
-        Picture::read("a.psd", bytes, &Limits::default(), &Cancel::default())
-            .expect_err("refused")
-            .to_string()
+        Picture::read("a.psd", bytes, &Limits::default(), &Work::default()).expect_err("refused").to_string()
     };
     let cmyk = psd(1, 4, 8, &[planes(), vec![plane(0)]].concat(), 0);
     assert!(says(&cmyk).contains("CMYK"), "{}", says(&cmyk));
@@ -242,7 +241,7 @@ fn damaged_pictures_are_errors() {
     ];
     let limits = Limits { samples: 100_000, side: 2000 };
     let (mut read, mut refused) = (0, 0);
-    let mut take = |name: &str, bytes: &[u8]| match Picture::read(name, bytes, &limits, &Cancel::default()) {
+    let mut take = |name: &str, bytes: &[u8]| match Picture::read(name, bytes, &limits, &Work::default()) {
         Ok(picture) => {
             assert!(picture.cols * picture.rows <= 100_000);
             read += 1;
@@ -275,7 +274,7 @@ fn damaged_pictures_are_errors() {
 #[test]
 fn what_is_no_picture_is_named() {
     let says = |name: &str, bytes: &[u8]| {
-        Picture::read(name, bytes, &Limits::default(), &Cancel::default()).expect_err("refused").to_string()
+        Picture::read(name, bytes, &Limits::default(), &Work::default()).expect_err("refused").to_string()
     };
     assert!(says("a.gif", b"GIF89a").contains("`.gif`"));
     assert!(says("a", b"").contains("without extension"));
@@ -394,7 +393,7 @@ fn rows_and_places_agree() {
     ] {
         let footprint = Footprint(footprint);
         let texture =
-            Texture::new(&picture, Channel::Luminance, footprint.reduction(kernel), &Cancel::default());
+            Texture::new(&picture, Channel::Luminance, footprint.reduction(kernel), &Work::default());
         let places: Vec<f64> = (0..60).map(|i| f64::from(i) * 0.71 - 3.0).collect();
         let columns: TextureColumns = texture.columns(places.iter().copied(), footprint, kernel);
         for v in [-2.0, 0.0, 7.3, 22.0, 40.0] {

@@ -10,8 +10,7 @@ fn line(from: i64, values: Vec<f32>) -> Field {
 }
 
 fn blurred(input: &Field, at: Grid, sigma: f64) -> Field {
-    let (terrain, cancel) = (world(), Cancel::default());
-    blur::gaussian(&Context::bare(at, &terrain, &cancel), input, at, sigma).expect("a blur")
+    blur::gaussian(&Work::default(), input, at, sigma).expect("a blur")
 }
 
 /// Weights of a Gaussian at distances 0, 1, …, cut at 9 sigma and summing to 1.

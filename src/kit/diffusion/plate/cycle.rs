@@ -4,8 +4,8 @@ use crate::kit::diffusion::dense::invert;
 use crate::kit::diffusion::plate::axis::Axis;
 use crate::kit::diffusion::plate::hold::Hold;
 use crate::kit::diffusion::plate::level::{Level, each_row};
-use crate::kit::diffusion::watch::{Cancelled, Watch};
 use crate::kit::simd::Level as Simd;
+use crate::work::{Cancelled, Work};
 
 /// Steps of the smoother on the finest level, before the coarse correction and after it.
 const STEPS: usize = 3;
@@ -28,13 +28,13 @@ impl Multigrid {
         rows: usize,
         springs: Vec<f32>,
         simd: Simd,
-        watch: &dyn Watch,
+        work: &Work<'_>,
     ) -> Result<Self, Cancelled> {
         let (x, y) = (Axis::new(cols, 1.0), Axis::new(rows, 1.0));
         let mut last = Level::new(x, y, Hold::Own(springs), true);
         let mut levels = Vec::new();
         while last.u.len() > DENSE && (last.x.halves() || last.y.halves()) {
-            watch.check()?;
+            work.check()?;
             let next = last.halved();
             levels.push(std::mem::replace(&mut last, next));
         }

@@ -8,8 +8,8 @@ use crate::kit::diffusion::plate::level::{each_row, each_row_of_two};
 use crate::kit::diffusion::plate::solve::Plate;
 use crate::kit::diffusion::plate::tilt::Across;
 use crate::kit::diffusion::solve::Solution;
-use crate::kit::diffusion::watch::{Cancelled, Watch};
 use crate::kit::simd::{Kernel, Level as Simd};
+use crate::work::{Cancelled, Work};
 
 /// The estimated error over the largest element of the preconditioned residual: what exact solves ask for.
 const SAFETY: f64 = 4.0;
@@ -17,7 +17,7 @@ const SAFETY: f64 = 4.0;
 const LANES: usize = 8;
 
 /// The state of the iterations. Which cells are held is written in the springs of the finest level.
-pub(crate) struct Work {
+pub(crate) struct Bending {
     grid: Multigrid,
     simd: Simd,
     cols: usize,
@@ -29,7 +29,7 @@ pub(crate) struct Work {
     p: Vec<f64>,
 }
 
-impl Work {
+impl Bending {
     /// Takes `middle` off the known values. The cell far `across` a line of known ones is held as well: that decides
     /// the tilt, and bends nothing whatever its value.
     pub(crate) fn new(
@@ -37,15 +37,15 @@ impl Work {
         across: Option<Across>,
         middle: f64,
         simd: Simd,
-        watch: &dyn Watch,
+        work: &Work<'_>,
     ) -> Result<Self, Cancelled> {
         let cells = 0..plate.cols * plate.rows;
         let held = |k: usize| plate.knows(k) || across.is_some_and(|a| a.far == k);
         let springs = cells.clone().map(|k| if held(k) { SPRING } else { 0.0 }).collect();
         let value = |k: usize| if plate.knows(k) { f64::from(plate.value[k]) - middle } else { 0.0 };
         let x: Vec<f64> = cells.map(value).collect();
-        let grid = Multigrid::new(plate.cols, plate.rows, springs, simd, watch)?;
-        watch.progress(0.1);
+        let grid = Multigrid::new(plate.cols, plate.rows, springs, simd, work)?;
+        work.report(0.1);
         let (r, p) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         Ok(Self { grid, simd, cols: plate.cols, x, r, p })
     }
@@ -55,20 +55,20 @@ impl Work {
         &mut self,
         tolerance: f64,
         most: usize,
-        watch: &dyn Watch,
+        work: &Work<'_>,
     ) -> Result<Solution, Cancelled> {
         let (mut before, mut done, mut history) = (0.0, 0.1f32, Vec::new());
         self.grid.levels[0].subtract(self.simd, &self.x, &mut self.r);
         let held = self.grid.levels[0].hold.own();
         self.r.par_iter_mut().zip(held).for_each(|(r, &h)| *r = if h > 0.0 { 0.0 } else { *r });
         loop {
-            watch.check()?;
+            work.check()?;
             self.grid.cycle(&self.r);
             let found = self.measure();
             let error = SAFETY * found.error / found.range().max(f64::MIN_POSITIVE);
             history.push(error);
             done += (0.95 - done) * 0.12;
-            watch.progress(done);
+            work.report(done);
             let converged = error <= tolerance;
             if converged || history.len() >= most || !found.product.is_finite() || found.product <= 0.0 {
                 return Ok(Solution { field: Vec::new(), cycles: history.len(), history, converged });

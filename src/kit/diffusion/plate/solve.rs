@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use crate::kit::diffusion::plate::iterate::Work;
+use crate::kit::diffusion::plate::iterate::Bending;
 use crate::kit::diffusion::plate::tilt::{Across, Layout, layout};
 use crate::kit::diffusion::problem::HUGE;
 use crate::kit::diffusion::solve::{Error, Solution};
-use crate::kit::diffusion::watch::Watch;
 use crate::kit::simd::Level as Simd;
+use crate::work::Work;
 
 /// A field on `cols × rows` cells, row by row, of which some cells are known.
 #[derive(Clone, Copy, Debug)]
@@ -39,16 +39,16 @@ impl Plate<'_> {
 /// The result is finite whatever the input, and the same to the bit for any number of threads and instruction set.
 ///
 /// # Errors
-/// [`Error::Length`] when an array does not fit the grid; [`Error::Cancelled`] when the watch asks to stop.
-pub fn bend(plate: &Plate<'_>, tolerance: f64, cycles: usize, watch: &dyn Watch) -> Result<Solution, Error> {
-    bend_at(plate, tolerance, cycles, watch, Simd::best())
+/// [`Error::Length`] when an array does not fit the grid; [`Error::Cancelled`] when the work was asked to stop.
+pub fn bend(plate: &Plate<'_>, tolerance: f64, cycles: usize, work: &Work<'_>) -> Result<Solution, Error> {
+    bend_at(plate, tolerance, cycles, work, Simd::best())
 }
 
 pub(crate) fn bend_at(
     plate: &Plate<'_>,
     tolerance: f64,
     cycles: usize,
-    watch: &dyn Watch,
+    work: &Work<'_>,
     simd: Simd,
 ) -> Result<Solution, Error> {
     let cells = plate.cols.saturating_mul(plate.rows);
@@ -57,7 +57,7 @@ pub(crate) fn bend_at(
             return Err(Error::Length { array, found, expected: cells });
         }
     }
-    watch.check()?;
+    work.check()?;
     let even =
         |value: f32| Solution { field: vec![value; cells], cycles: 0, history: Vec::new(), converged: true };
     let known = (0..cells).filter(|&k| plate.knows(k));
@@ -69,16 +69,16 @@ pub(crate) fn bend_at(
     };
     let (low, high) = extent(plate);
     let middle = 0.5 * (low + high);
-    let mut work = Work::new(plate, across, middle, simd, watch)?;
-    let mut solution = work.iterate(tolerance.max(0.0), cycles, watch)?;
+    let mut bending = Bending::new(plate, across, middle, simd, work)?;
+    let mut solution = bending.iterate(tolerance.max(0.0), cycles, work)?;
     if let Some(across) = across {
-        level_out(&mut work.x, plate.cols, across);
+        level_out(&mut bending.x, plate.cols, across);
     }
     solution.field = vec![0.0; cells];
-    let free = |k: usize| ((work.x[k] + middle) as f32).clamp(-f32::MAX, f32::MAX);
+    let free = |k: usize| ((bending.x[k] + middle) as f32).clamp(-f32::MAX, f32::MAX);
     let value = |k: usize| if plate.knows(k) { plate.value[k] } else { free(k) };
     solution.field.par_iter_mut().enumerate().for_each(|(k, o)| *o = value(k));
-    watch.progress(1.0);
+    work.report(1.0);
     Ok(solution)
 }
 
