@@ -9,7 +9,6 @@
 //! use orograph::nodes::Registry;
 //! use orograph::work::Cancel;
 //!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let text = r#"{
 //!   "orograph": 1,
 //!   "terrain": { "width": 4096, "depth": 2048 },
@@ -32,8 +31,7 @@
 //! let mut file = std::fs::File::create(&path)?;
 //! encode(&WriteJob::new(&value, Format::Exr, graph.terrain(), grid), &mut file)?;
 //! # assert!(std::fs::metadata(&path)?.len() > 0);
-//! # Ok(())
-//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! [`Graph::open`](graph::Graph::open) reads a graph from a path, and [`engine::Files::allow_folder`] lets its nodes
