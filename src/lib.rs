@@ -1,41 +1,88 @@
-//! Orograph: a node-graph terrain tool. This page is the tour of the house.
+//! Orograph is a node-graph terrain tool. This crate holds its engine and its nodes, the command line and the editor.
+//!
+//! A graph becomes a file in four steps: read the document, find the output, evaluate it on a grid, write the value.
+//!
+//! ```
+//! use orograph::engine::{Engine, Files, Options, Unobserved, Want};
+//! use orograph::files::{Format, WriteJob, encode};
+//! use orograph::graph::Graph;
+//! use orograph::nodes::Registry;
+//! use orograph::work::Cancel;
+//!
+//! let text = r#"{
+//!   "orograph": 1,
+//!   "terrain": { "width": 4096, "depth": 2048 },
+//!   "nodes": { "hills": { "kind": "fractal_noise", "set": { "amplitude": 300, "seed": 4 } } },
+//!   "outputs": { "height": { "from": "hills.field" } }
+//! }"#;
+//! let graph = Graph::from_bytes(text.as_bytes(), &Registry::standard())?;
+//! let source = graph.output_source("height")?;
+//! // The whole terrain, with 65 samples along its longer side.
+//! let grid = graph.terrain().grid(65)?;
+//! // `Files::default()` allows no file: this graph names none.
+//! let engine = Engine::new(&Options::default(), Files::default())?;
+//! let want = Want { node: source.node, port: source.port, grid };
+//! let evaluation = engine.evaluate(&graph, &[want], &Unobserved, &Cancel::default())?;
+//! let value = evaluation.values[0].clone()?;
+//! assert_eq!((grid.cols, grid.rows), (65, 33));
+//!
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("height.exr");
+//! let mut file = std::fs::File::create(&path)?;
+//! encode(&WriteJob::new(&value, Format::Exr, graph.terrain(), grid), &mut file)?;
+//! # assert!(std::fs::metadata(&path)?.len() > 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`Graph::open`](graph::Graph::open) reads a graph from a path, and [`engine::Files::allow_folder`] lets its nodes
+//! read files from a folder. The rest of this page is a tour of the crate from the bottom to the top. Each section ends
+//! with what the module means for caching.
 //!
 //! # From a file to a terrain
-//! A [`graph::Graph`] is the document: terrain settings, nodes with their inputs, outputs. The [`engine`] makes it a
-//! plan and runs it; each node is a struct of the [`nodes`] registry that gives fields on a grid. The [`cli`] writes
-//! them with [`files`] or draws them with [`render`].
+//! A [`graph::Graph`] is the document: the settings of the terrain, the nodes with their inputs, the outputs. The
+//! [`engine`] turns it into a plan and runs the plan. Each node is a struct from the [`nodes`] registry that computes
+//! values on a grid. The [`cli`] writes the values with [`files`] or draws them with [`render`].
 //!
 //! # Values: [`value`], [`mod@ports`], [`units`], [`params`]
-//! A [`value::Grid`] is a window of a lattice, and a sample's place comes from its index in the whole lattice: so
-//! coincident points of two sizes are one place, to the bit. Fields, vectors and colours are rasters on a grid,
-//! cheap to clone. Parameters are structs of unit types; their JSON schema is the only metadata. *Caching:* values
-//! are immutable, so that the cache can hand them out.
+//! A [`value::Grid`] is a window of a lattice. The position of a sample comes from its index in the whole lattice, so
+//! points that two sizes share have the same position, to the bit. Fields, vectors and colours are rasters on a grid
+//! and are cheap to clone. Parameters are structs of unit types; their JSON schema is the only metadata. *Caching:*
+//! values are immutable, so the cache can hand out the same value many times.
 //!
 //! # Nodes: [`node`], [`nodes`], [`context`], [`kit`]
-//! A kind declares how far it looks ([`node::Reach`]), what it reads ([`node::Reads`]) and what it costs; it runs in a
-//! [`context::Context`] that gives grid, seed, progress and cancellation and nothing else. `kit` holds the numerics
-//! that several share. What lies far from a sample may be read on a further window of an input, on the base grid
-//! ([`node::Node::views`], [`kit::far`]), so that a wide reach asks no more of a huge build. *Caching:* a node keeps no state; what it did not declare, its context refuses, since the key
-//! of its result would not depend on it.
+//! A kind of node declares how far it looks ([`node::Reach`]), what it reads ([`node::Reads`]) and what it costs
+//! ([`node::Cost`]). It runs in a [`context::Context`], which gives it the grid, the seed, progress and cancellation,
+//! and nothing else. [`kit`] holds the numerics that several kinds share. A kind that looks far may read its input on a
+//! further window of the base grid ([`node::Node::views`], [`kit::far`]), so that its memory does not grow with the
+//! size of the build. *Caching:* a node keeps no state. The context refuses what the kind did not declare, because the
+//! key of the result would not depend on it.
 //!
-//! # Files that a graph names: [`source`], [`work`]
-//! A [`source::SourceFile`] is known by its length and header before its content is read. *Caching:* the content counts
-//! by its hash, the name by its last part, and what was decoded stands on a [`source::Shelf`] while there is room.
+//! # Long work: [`work`]
+//! [`work::Work`] is how long work is watched and stopped: it carries the [`work::Cancel`] switch, the progress of each
+//! stage, and warnings for a person. Nodes, [`kit`], [`files`] and [`render`] share this one type. *Caching:* a warning
+//! may depend only on what the result depends on, so that it can be repeated for a result that is still in memory.
+//!
+//! # Files that a graph names: [`source`]
+//! A [`source::SourceFile`] gives its length and its header before its content is read. *Caching:* a key contains the
+//! hash of the content and the last part of the name. What a node decodes from a file stays on a [`source::Shelf`]
+//! while there is room.
 //!
 //! # The document: [`graph`]
-//! petgraph inside, canonical JSON outside; edits, validation, migration. What it does not know it keeps. *Caching:*
-//! names, places and comments are in no key, so that editing them runs nothing.
+//! A petgraph in memory and canonical JSON on disk, with edits, validation and migration. Whatever the program does not
+//! know in a file, it keeps. *Caching:* no key contains a name, a position on the canvas or a comment, so editing those
+//! runs nothing.
 //!
 //! # Evaluation: [`engine`]
-//! From the consumers up: which window of which node on which lattice; what the cache has ends the walk. Global nodes
-//! run on the base grid and their results are carried to finer grids. Tasks run side by side within the plan's own
-//! account of memory. *Caching:* a key is the hash of kind, version, canonical parameters, input keys, file contents and declared
-//! settings; a result adds its grid.
+//! The plan is made from the consumers up: which window of which node is needed, on which lattice. A result that the
+//! cache already has ends the walk. Global nodes run on the base grid, and their results are carried to finer grids.
+//! Tasks run side by side within the memory that the plan allows. *Caching:* the key of a node is a hash of its kind
+//! and version, its canonical parameters, the keys of its inputs, the content of its files, and the settings that its
+//! kind declares to read. The key of a result adds the grid.
 //!
 //! # Faces: [`cli`], `editor`, [`files`], [`render`]
-//! They hold no state of their own but what a window needs: the editor's document is the graph with its history, and it
-//! asks the engine from a thread beside the window. *Caching:* none; a build is the same whether the engine was warm or
-//! cold.
+//! The command line and the editor hold no state beyond what a window needs: the editor's document is a graph with its
+//! history, and a thread beside the window asks the engine. [`whole`] writes every file whole or not at all. *Caching:*
+//! none here; a build gives the same result whether the engine starts warm or cold.
 
 pub mod cli;
 
