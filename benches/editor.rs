@@ -112,7 +112,7 @@ fn draft_after_a_change(bencher: Bencher<'_, '_>, preset: &str, view: impl Fn(&m
     view(&mut window.editor);
     window.until(|editor| !editor.is_busy());
     let graph = window.editor.document().graph();
-    let kind = |id: &_| graph.node(*id).kind().map(|k| k.id) == Some("feature_curves");
+    let kind = |id: &_| graph.node(*id).kind().is_some_and(|k| k.id == "feature_curves");
     let curves = graph.nodes().find(kind).expect("a node of curves");
     let mut raise = 0.0;
     bencher.bench_local(|| {

@@ -31,7 +31,7 @@ fn engine() -> Engine {
 
 fn want(graph: &Graph) -> [Want; 1] {
     let node = graph.find("n999").expect("the last node");
-    [Want { node, port: "field", grid: graph.terrain().grid(5).expect("a size") }]
+    [Want { node, port: "field".into(), grid: graph.terrain().grid(5).expect("a size") }]
 }
 
 #[divan::bench]

@@ -4,8 +4,9 @@
 //! name of the file.
 
 use std::collections::BTreeMap;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
+use crate::name::Name;
 use crate::node::Kind;
 use crate::params::did_you_mean;
 
@@ -14,9 +15,9 @@ macro_rules! registry {
         $($(#[$doc])* pub mod $family {
             $(pub mod $file;)*
         })+
-        static STANDARD: LazyLock<Vec<Kind>> = LazyLock::new(|| vec![
+        static STANDARD: LazyLock<Registry> = LazyLock::new(|| Registry::of([
             $($(Kind::of::<$family::$file::$kind>(stringify!($family), stringify!($file)),)*)+
-        ]);
+        ]));
     };
 }
 
@@ -91,39 +92,41 @@ registry! {
     }
 }
 
-/// The kinds that a graph may use.
+/// The kinds that a graph may use; cheap to clone.
 #[derive(Clone, Debug)]
-pub struct Registry(BTreeMap<&'static str, &'static Kind>);
+pub struct Registry(Arc<BTreeMap<Name, Arc<Kind>>>);
 
 impl Registry {
     /// The kinds of this program.
     pub fn standard() -> Self {
-        Self::of(STANDARD.iter())
+        STANDARD.clone()
     }
 
     /// A registry of some kinds; of two with one name the later stays.
-    pub fn of(kinds: impl IntoIterator<Item = &'static Kind>) -> Self {
-        Self(kinds.into_iter().map(|k| (k.id, k)).collect())
+    pub fn of(kinds: impl IntoIterator<Item = impl Into<Arc<Kind>>>) -> Self {
+        Self(Arc::default()).with(kinds)
     }
 
     /// This registry and some kinds more.
-    pub fn with(mut self, kinds: impl IntoIterator<Item = &'static Kind>) -> Self {
-        self.0.extend(kinds.into_iter().map(|k| (k.id, k)));
+    #[must_use]
+    pub fn with(mut self, kinds: impl IntoIterator<Item = impl Into<Arc<Kind>>>) -> Self {
+        let named = kinds.into_iter().map(Into::into).map(|kind: Arc<Kind>| (kind.id.clone(), kind));
+        Arc::make_mut(&mut self.0).extend(named);
         self
     }
 
     /// The kind of a name.
-    pub fn find(&self, id: &str) -> Option<&'static Kind> {
-        self.0.get(id).copied()
+    pub fn find(&self, id: &str) -> Option<&Arc<Kind>> {
+        self.0.get(id)
     }
 
     /// All kinds, by name.
-    pub fn iter(&self) -> impl Iterator<Item = &'static Kind> {
-        self.0.values().copied()
+    pub fn iter(&self) -> impl Iterator<Item = &Arc<Kind>> {
+        self.0.values()
     }
 
     /// "; did you mean `x`?" for the kind of the nearest name, or nothing when none is near.
     pub fn suggest(&self, id: &str) -> String {
-        did_you_mean(id, self.0.keys().copied())
+        did_you_mean(id, self.0.keys().map(Name::as_str))
     }
 }

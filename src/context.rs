@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::kit::{hash, stats};
+use crate::name::Name;
 use crate::node::{Error, Reads, Result, Summary};
 use crate::ports::Wire;
 pub use crate::source::SourceFile;
@@ -27,7 +28,7 @@ pub struct Context<'a> {
     /// The statistic of the whole; nodes ask [`summary`](Self::summary).
     pub whole: Option<&'a Summary>,
     /// The further windows of inputs, by port in the order of their list; nodes ask [`view`](Self::view).
-    pub views: &'a [(&'static str, Value)],
+    pub views: &'a [(Name, Value)],
     /// The files the node named; nodes ask [`file`](Self::file).
     pub files: &'a [Arc<SourceFile>],
     /// Asked inside loops, told the finished share and what a person should know.

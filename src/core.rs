@@ -7,6 +7,7 @@ pub mod engine;
 pub mod files;
 pub mod graph;
 pub mod kit;
+pub mod name;
 pub mod node;
 pub mod params;
 pub mod ports;
@@ -27,9 +28,11 @@ pub mod prelude {
     pub use serde::{Deserialize, Serialize};
 
     pub use crate::node::{
-        Context, Cost, Error, FileRequest, Known, Meta, Node, Reach, Reads, Result, Row, Summarize, Summary,
+        Context, Cost, Error, FileRequest, Known, Meta, Node, Quantities, Reach, Reads, Result, Row,
+        Summarize, Summary,
     };
     pub use crate::ports;
+    pub use crate::ports::Meaning;
     pub use crate::units::{Degrees, FilePath, Metres, Number, PerMetre, Ratio, Seed};
     pub use crate::value::{
         Colors, Constraints, Curves, Field, Grid, Quantity, Raster, Terrain, Value, Vectors,

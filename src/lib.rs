@@ -87,8 +87,8 @@
 pub mod cli;
 
 pub use orograph_core::{
-    context, engine, files, graph, kit, node, nodes, params, ports, prelude, render, source, text, units,
-    value, whole, work,
+    context, engine, files, graph, kit, name, node, nodes, params, ports, prelude, render, source, text,
+    units, value, whole, work,
 };
 #[cfg(feature = "editor")]
 pub use orograph_editor as editor;

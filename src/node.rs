@@ -14,10 +14,11 @@ use serde_json::{Map, Value as Json};
 
 pub use self::kind::{AnyNode, Kind};
 pub use crate::context::{Cancel, Context, Row, SourceFile};
+use crate::name::Name;
 use crate::ports::Ports;
 use crate::source::SourceError;
 use crate::value::curves::CurveError;
-use crate::value::{Grid, Terrain, Value, WireType};
+use crate::value::{Grid, Quantity, Terrain, Value, WireType};
 use crate::work::Cancelled;
 
 /// The result of a node.
@@ -30,13 +31,13 @@ pub enum Error {
     #[error("input `{port}` is not connected")]
     Missing {
         /// The input.
-        port: &'static str,
+        port: Name,
     },
     /// A wire of the wrong type arrived.
     #[error("input `{port}` takes {}, got {}", want.name(), got.name())]
     WireType {
         /// The input.
-        port: &'static str,
+        port: Name,
         /// What it takes.
         want: WireType,
         /// What came.
@@ -46,7 +47,7 @@ pub enum Error {
     #[error("input `{port}` {message}")]
     Input {
         /// The input.
-        port: &'static str,
+        port: Name,
         /// What is wrong with it.
         message: String,
     },
@@ -78,7 +79,7 @@ pub enum Error {
     #[error("output `{port}` is not finite at column {col}, row {row}")]
     NotFinite {
         /// The output.
-        port: &'static str,
+        port: Name,
         /// Column in the window.
         col: usize,
         /// Row in the window.
@@ -88,7 +89,7 @@ pub enum Error {
     #[error("output `{port}` {message}")]
     Output {
         /// The output.
-        port: &'static str,
+        port: Name,
         /// What is wrong with it.
         message: String,
     },
@@ -150,6 +151,14 @@ impl Reach {
     /// A local reach of some metres.
     pub fn local(metres: f64) -> Self {
         Self::Local(Margin { metres, cells: 0 })
+    }
+
+    /// The window that an output window needs of an input.
+    pub fn window(self, output: &Grid) -> Grid {
+        match self {
+            Self::Local(m) => output.grow_metres(m.metres).grow_cells(m.cells),
+            Self::Gridless | Self::Point | Self::Global => *output,
+        }
     }
 
     /// The reach with some cells more.
@@ -335,6 +344,9 @@ pub struct FileRequest {
 /// The value at an input, where it is known before the node runs.
 pub type Known<'a> = &'a dyn Fn(&str) -> Option<Value>;
 
+/// What the numbers at an input mean; `None` where it is not connected or has none.
+pub type Quantities<'a> = &'a dyn Fn(&str) -> Option<Quantity>;
+
 /// Computes a [`Summary`] from the inputs on the base grid.
 pub type Summarize<N> = fn(&N, &Context<'_>, &<N as Node>::In) -> Result<Summary>;
 
@@ -357,10 +369,7 @@ pub trait Node:
     /// It may stand on a refined lattice.
     fn footprint(&self, port: &str, window: &Grid, terrain: &Terrain) -> Grid {
         let (_, _) = (port, terrain);
-        match self.reach() {
-            Reach::Local(m) => window.grow_metres(m.metres).grow_cells(m.cells),
-            Reach::Gridless | Reach::Point | Reach::Global => *window,
-        }
+        self.reach().window(window)
     }
 
     /// Further windows of input `port` that a point or local node reads beside the footprint, each on any lattice:
@@ -377,6 +386,13 @@ pub trait Node:
     fn uses(&self, port: &str) -> bool {
         let _ = port;
         true
+    }
+
+    /// What the numbers of an output whose port leaves it open ([`Meaning::Chosen`](crate::ports::Meaning::Chosen))
+    /// mean, given what those of the connected inputs do.
+    fn quantity(&self, output: &str, inputs: Quantities<'_>) -> Quantity {
+        let (_, _) = (output, inputs);
+        Quantity::Number
     }
 
     /// What a run on an output grid needs beyond inputs and outputs.

@@ -1,36 +1,63 @@
 //! Typed ports: what a node takes and gives.
 
+use crate::name::Name;
 use crate::node::{Error, Result};
-use crate::value::{Colors, Constraints, Curves, Field, Value, Vectors, WireType};
+use crate::value::{Colors, Constraints, Curves, Field, Quantity, Value, Vectors, WireType};
 
 /// One input or output of a kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Port {
     /// Name, unique among the inputs or outputs of the kind.
-    pub name: &'static str,
+    pub name: Name,
     /// What it carries, one sentence.
-    pub doc: &'static str,
+    pub doc: Name,
     /// The type of wire that fits.
     pub wire: WireType,
     /// Whether an input must be connected.
     pub required: bool,
+    /// What the numbers of an output mean; an input takes any.
+    pub meaning: Meaning,
+}
+
+/// What says what the numbers of an output mean.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// They mean the same whatever the node is set to and reads.
+    Fixed(Quantity),
+    /// They mean what those of an input mean; [`Quantity::Number`] where it is not connected.
+    Like(Name),
+    /// Parameters or several inputs decide: see [`Node::quantity`](crate::node::Node::quantity).
+    Chosen,
+    /// It has no numbers.
+    Nothing,
+}
+
+impl Meaning {
+    /// As [`Meaning::Like`], of a port that a kind names in its source.
+    pub const fn like(input: &'static str) -> Self {
+        Self::Like(Name::new_static(input))
+    }
 }
 
 /// The input that every kind gets whose result the engine mixes with its input.
 pub const MASK: Port = Port {
-    name: "mask",
-    doc: "Where the change applies: 0 keeps the input, 1 takes the result, between mixes the two.",
+    name: Name::new_static("mask"),
+    doc: Name::new_static(
+        "Where the change applies: 0 keeps the input, 1 takes the result, between mixes the two.",
+    ),
     wire: WireType::Field,
     required: false,
+    meaning: Meaning::Fixed(Quantity::Mask),
 };
 
 /// Values by port name.
 #[derive(Clone, Debug, Default)]
-pub struct Wires(Vec<(&'static str, Value)>);
+pub struct Wires(Vec<(Name, Value)>);
 
 impl Wires {
     /// Adds or replaces the value of a port.
-    pub fn put(&mut self, port: &'static str, value: Value) {
+    pub fn put(&mut self, port: impl Into<Name>, value: Value) {
+        let port = port.into();
         match self.0.iter_mut().find(|(name, _)| *name == port) {
             Some(slot) => slot.1 = value,
             None => self.0.push((port, value)),
@@ -49,8 +76,8 @@ impl Wires {
     }
 
     /// All values, in the order of declaration.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Value)> {
-        self.0.iter().map(|(name, v)| (*name, v))
+    pub fn iter(&self) -> impl Iterator<Item = (&Name, &Value)> {
+        self.0.iter().map(|(name, v)| (name, v))
     }
 
     /// Bytes of all samples.
@@ -59,9 +86,9 @@ impl Wires {
     }
 }
 
-impl FromIterator<(&'static str, Value)> for Wires {
-    fn from_iter<I: IntoIterator<Item = (&'static str, Value)>>(values: I) -> Self {
-        Self(values.into_iter().collect())
+impl<N: Into<Name>> FromIterator<(N, Value)> for Wires {
+    fn from_iter<I: IntoIterator<Item = (N, Value)>>(values: I) -> Self {
+        Self(values.into_iter().map(|(name, value)| (name.into(), value)).collect())
     }
 }
 
@@ -71,6 +98,8 @@ pub trait Wire: Sized {
     const WIRE: WireType;
     /// Whether an input of this type must be connected.
     const REQUIRED: bool = true;
+    /// What the numbers of an output of this type mean where its port does not say.
+    const MEANING: Meaning;
     /// Unwraps the value of a port.
     ///
     /// # Errors
@@ -81,14 +110,15 @@ pub trait Wire: Sized {
 }
 
 macro_rules! wire {
-    ($($name:ident),+) => {$(
+    ($($name:ident: $meaning:expr),+ $(,)?) => {$(
         impl Wire for $name {
             const WIRE: WireType = WireType::$name;
+            const MEANING: Meaning = $meaning;
             fn take(port: &'static str, value: Option<Value>) -> Result<Self> {
                 match value {
                     Some(Value::$name(v)) => Ok(v),
-                    Some(other) => Err(Error::WireType { port, want: Self::WIRE, got: other.wire_type() }),
-                    None => Err(Error::Missing { port }),
+                    Some(other) => Err(Error::WireType { port: port.into(), want: Self::WIRE, got: other.wire_type() }),
+                    None => Err(Error::Missing { port: port.into() }),
                 }
             }
             fn give(self) -> Option<Value> {
@@ -97,11 +127,18 @@ macro_rules! wire {
         }
     )+};
 }
-wire!(Field, Vectors, Colors, Curves, Constraints);
+wire! {
+    Field: Meaning::Fixed(Quantity::Number),
+    Vectors: Meaning::Fixed(Quantity::Vector),
+    Colors: Meaning::Fixed(Quantity::Color),
+    Curves: Meaning::Nothing,
+    Constraints: Meaning::Nothing,
+}
 
 impl<T: Wire> Wire for Option<T> {
     const WIRE: WireType = T::WIRE;
     const REQUIRED: bool = false;
+    const MEANING: Meaning = T::MEANING;
     fn take(port: &'static str, value: Option<Value>) -> Result<Self> {
         value.map(|v| T::take(port, Some(v))).transpose()
     }
@@ -123,11 +160,12 @@ pub trait Ports: Sized {
     fn give(self) -> Wires;
 }
 
-/// Declares port sets: structs whose fields are ports and whose doc comments document them.
+/// Declares port sets: structs whose fields are ports and whose doc comments document them. A field behind the type of
+/// an output says what its numbers mean: `field: Field = Meaning::like("field")`.
 #[macro_export]
 macro_rules! ports {
     ($($(#[$meta:meta])* $vis:vis struct $name:ident {
-        $($(#[doc = $doc:literal])+ $port:ident : $ty:ty),* $(,)?
+        $($(#[doc = $doc:literal])+ $port:ident : $ty:ty $(= $meaning:expr)?),* $(,)?
     })+) => {$(
         $(#[$meta])*
         #[doc = concat!("Ports: `", stringify!($name), "`.")]
@@ -135,10 +173,11 @@ macro_rules! ports {
 
         impl $crate::ports::Ports for $name {
             const PORTS: &'static [$crate::ports::Port] = &[$($crate::ports::Port {
-                name: stringify!($port),
-                doc: concat!($($doc),+).trim_ascii(),
+                name: $crate::name::Name::new_static(stringify!($port)),
+                doc: $crate::name::Name::new_static(concat!($($doc),+).trim_ascii()),
                 wire: <$ty as $crate::ports::Wire>::WIRE,
                 required: <$ty as $crate::ports::Wire>::REQUIRED,
+                meaning: $crate::meaning!($ty $(= $meaning)?),
             }),*];
             #[allow(unused_variables, reason = "a kind without inputs takes nothing from the wires")]
             fn take(wires: &mut $crate::ports::Wires) -> $crate::node::Result<Self> {
@@ -149,9 +188,21 @@ macro_rules! ports {
             fn give(self) -> $crate::ports::Wires {
                 [$((stringify!($port), <$ty as $crate::ports::Wire>::give(self.$port))),*]
                     .into_iter()
-                    .filter_map(|(name, value): (_, Option<$crate::value::Value>)| Some((name, value?)))
+                    .filter_map(|(name, value): (&'static str, Option<$crate::value::Value>)| Some((name, value?)))
                     .collect()
             }
         }
     )+};
+}
+
+/// What an output says of its numbers, or what its type says.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! meaning {
+    ($ty:ty) => {
+        <$ty as $crate::ports::Wire>::MEANING
+    };
+    ($ty:ty = $meaning:expr) => {
+        $meaning
+    };
 }

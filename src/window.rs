@@ -2,7 +2,8 @@
 
 // Inside, names are those of the whole house.
 use orograph_core::{
-    context, engine, files, graph, kit, node, nodes, params, ports, render, text, units, value, whole, work,
+    context, engine, files, graph, kit, name, node, nodes, params, ports, render, text, units, value, whole,
+    work,
 };
 
 mod editor;

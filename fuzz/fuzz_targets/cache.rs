@@ -53,7 +53,7 @@ fn run(folder: &Path, graph: &Graph) -> Evaluation {
     let options = Options { threads: 1, cache: Some(folder.to_owned()), ..Options::default() };
     let engine = Engine::new(&options, Files::default()).expect("an engine");
     let node = graph.find("c").expect("the node");
-    let want = Want { node, port: "field", grid: graph.terrain().base_grid() };
+    let want = Want { node, port: "field".into(), grid: graph.terrain().base_grid() };
     engine.evaluate(graph, &[want], &Unobserved, &Cancel::default()).expect("a result")
 }
 

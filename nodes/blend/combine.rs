@@ -79,7 +79,7 @@ ports! {
     }
     pub struct Outputs {
         /// The two together.
-        field: Field,
+        field: Field = Meaning::Chosen,
     }
 }
 
@@ -110,8 +110,13 @@ impl Node for Combine {
         Cost::per_sample(grid, if self.mode == Mode::Power { 40.0 } else { 2.0 })
     }
 
+    fn quantity(&self, _: &str, inputs: Quantities<'_>) -> Quantity {
+        let [a, b] = ["a", "b"].map(|port| inputs(port).unwrap_or(Quantity::Number));
+        self.quantity_of(a, b)
+    }
+
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
-        let quantity = self.quantity(input.a.quantity(), input.b.quantity());
+        let quantity = self.quantity_of(input.a.quantity(), input.b.quantity());
         let field = match self.mode {
             Mode::Add => self.apply(cx, &input, quantity, |a, b| a + b),
             Mode::Subtract => self.apply(cx, &input, quantity, |a, b| a - b),
@@ -156,7 +161,7 @@ impl Combine {
         Ok(field?)
     }
 
-    fn quantity(&self, a: Quantity, b: Quantity) -> Quantity {
+    fn quantity_of(&self, a: Quantity, b: Quantity) -> Quantity {
         match self.mode {
             _ if self.strength.0 == 0.0 => a,
             Mode::Power => a,

@@ -34,7 +34,7 @@ ports! {
     }
     pub struct Outputs {
         /// Between the two.
-        field: Field,
+        field: Field = Meaning::Chosen,
     }
 }
 
@@ -52,13 +52,29 @@ impl Node for Mix {
         Cost::per_sample(grid, 1.5)
     }
 
+    fn quantity(&self, _: &str, inputs: Quantities<'_>) -> Quantity {
+        let [a, b] = ["a", "b"].map(|port| inputs(port).unwrap_or(Quantity::Number));
+        self.quantity_of(a, b)
+    }
+
     fn run(&self, cx: &Context<'_>, Inputs { a, b }: Inputs) -> Result<Outputs> {
-        let quantity = if a.quantity() == Quantity::Mask { b.quantity() } else { a.quantity() };
+        let quantity = self.quantity_of(a.quantity(), b.quantity());
         let field = match self.amount.0 {
             0.0 => a.crop(&cx.grid),
             1.0 => b.crop(&cx.grid),
             amount => zip(&cx.work, &cx.grid, [&a, &b], quantity, |a, b| finite(lerp(a, b, amount as f32)))?,
         };
         Ok(Outputs { field })
+    }
+}
+
+impl Mix {
+    fn quantity_of(&self, a: Quantity, b: Quantity) -> Quantity {
+        match self.amount.0 {
+            0.0 => a,
+            1.0 => b,
+            _ if a == Quantity::Mask => b,
+            _ => a,
+        }
     }
 }

@@ -38,7 +38,7 @@ ports! {
     }
     pub struct Outputs {
         /// The field that was taken.
-        field: Field,
+        field: Field = Meaning::Chosen,
     }
 }
 
@@ -69,11 +69,17 @@ impl Node for Switch {
         Cost::per_sample(grid, 0.5)
     }
 
+    fn quantity(&self, _: &str, inputs: Quantities<'_>) -> Quantity {
+        inputs(self.taken()).unwrap_or(Quantity::Number)
+    }
+
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
         let Inputs { a, b, c, d, e, f, g, h } = input;
         let port = self.taken();
-        let missing =
-            || Error::Input { port, message: format!("is not connected, and `choice` is {}", self.choice) };
+        let missing = || Error::Input {
+            port: port.into(),
+            message: format!("is not connected, and `choice` is {}", self.choice),
+        };
         let field = [a, b, c, d, e, f, g, h].into_iter().nth(self.choice.min(7) as usize).flatten();
         Ok(Outputs { field: field.ok_or_else(missing)?.crop(&cx.grid) })
     }

@@ -77,7 +77,7 @@ impl Node for CurveRaster {
         let named = |e| match e {
             CurveError::TooMany { .. } => {
                 let message = format!("has {e}; simplify the curves or lower the base");
-                Error::Input { port: "curves", message }
+                Error::Input { port: "curves".into(), message }
             }
             other => Error::of_curves(other),
         };

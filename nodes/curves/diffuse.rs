@@ -75,11 +75,11 @@ ports! {
     }
     pub struct Outputs {
         /// Height, in metres.
-        height: Field,
+        height: Field = Meaning::Fixed(Quantity::Elevation),
         /// Amplitude of noise, in metres; 0 where no curve sets one.
-        amplitude: Field,
+        amplitude: Field = Meaning::Fixed(Quantity::Length),
         /// Roughness of noise, 0 to 1.
-        roughness: Field,
+        roughness: Field = Meaning::Fixed(Quantity::Mask),
         /// Gradient that guided the height, in metres per metre to the east and south.
         gradient: Vectors,
     }
@@ -299,7 +299,7 @@ impl Quality {
 fn refused(error: diffusion::Error) -> Error {
     match error {
         diffusion::Error::Cancelled => Error::Cancelled,
-        misfit => Error::Input { port: "constraints", message: misfit.to_string() },
+        misfit => Error::Input { port: "constraints".into(), message: misfit.to_string() },
     }
 }
 

@@ -53,7 +53,7 @@ ports! {
     }
     pub struct Outputs {
         /// The whole field.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 
@@ -108,7 +108,7 @@ impl Node for DiffusePoints {
         match solution {
             Ok(solution) => Ok(Outputs { field: Field::new(cx.grid, field.quantity(), solution.field) }),
             Err(diffusion::Error::Cancelled) => Err(Error::Cancelled),
-            Err(misfit) => Err(Error::Input { port: "field", message: misfit.to_string() }),
+            Err(misfit) => Err(Error::Input { port: "field".into(), message: misfit.to_string() }),
         }
     }
 }

@@ -122,11 +122,11 @@ ports! {
     pub struct Inputs {}
     pub struct Outputs {
         /// Heights in metres.
-        height: Field,
+        height: Field = Meaning::Fixed(Quantity::Elevation),
         /// 1 where the file had no height and one was made up.
-        voids: Field,
+        voids: Field = Meaning::Fixed(Quantity::Mask),
         /// 1 inside the rectangle of the file, 0 where its border value continues.
-        inside: Field,
+        inside: Field = Meaning::Fixed(Quantity::Mask),
     }
 }
 

@@ -77,9 +77,9 @@ ports! {
         /// Colours, sRGB encoded.
         colors: Colors,
         /// Opacity or brightness, 0 to 1.
-        mask: Field,
+        mask: Field = Meaning::Fixed(Quantity::Mask),
         /// 1 inside the rectangle of the picture, 0 where its border goes on.
-        inside: Field,
+        inside: Field = Meaning::Fixed(Quantity::Mask),
     }
 }
 

@@ -38,7 +38,7 @@ ports! {
     }
     pub struct Outputs {
         /// Smoothed field, in the unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 

@@ -37,7 +37,7 @@ ports! {
     }
     pub struct Outputs {
         /// Limited field, in the unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 

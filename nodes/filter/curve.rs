@@ -38,7 +38,7 @@ ports! {
     }
     pub struct Outputs {
         /// Shaped field, in the unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 

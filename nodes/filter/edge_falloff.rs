@@ -50,7 +50,7 @@ ports! {
     }
     pub struct Outputs {
         /// Faded field, in the unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 

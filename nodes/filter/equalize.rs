@@ -37,7 +37,7 @@ ports! {
     }
     pub struct Outputs {
         /// Spread field, in the range and unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 

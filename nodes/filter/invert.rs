@@ -42,7 +42,7 @@ ports! {
     }
     pub struct Outputs {
         /// Turned field, in the unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 

@@ -95,7 +95,7 @@ ports! {
     }
     pub struct Outputs {
         /// Field in the output range.
-        field: Field,
+        field: Field = Meaning::Chosen,
     }
 }
 
@@ -130,10 +130,14 @@ impl Node for Remap {
         }
     }
 
+    fn quantity(&self, _: &str, inputs: Quantities<'_>) -> Quantity {
+        self.quantity_of(inputs("field").unwrap_or(Quantity::Number))
+    }
+
     fn run(&self, cx: &Context<'_>, Inputs { field }: Inputs) -> Result<Outputs> {
         let [low, high] = self.input.ends(cx)?;
         let (from, to) = (self.out_low.0, self.out_high.0);
-        let quantity = self.quantity(field.quantity());
+        let quantity = self.quantity_of(field.quantity());
         let (middle, clamp) = (1.0 - self.midpoint.0, self.clamp);
         let field = if high == low {
             // A range without width is a step.
@@ -153,7 +157,7 @@ impl Node for Remap {
 }
 
 impl Remap {
-    fn quantity(&self, input: Quantity) -> Quantity {
+    fn quantity_of(&self, input: Quantity) -> Quantity {
         let unit = 0.0..=1.0;
         let within = self.clamp && unit.contains(&self.out_low.0) && unit.contains(&self.out_high.0);
         match input {

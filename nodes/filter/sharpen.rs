@@ -39,7 +39,7 @@ ports! {
     }
     pub struct Outputs {
         /// Sharpened field, in the unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 

@@ -75,7 +75,7 @@ ports! {
     }
     pub struct Outputs {
         /// Stepped field, in the unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 

@@ -81,7 +81,7 @@ ports! {
     }
     pub struct Outputs {
         /// Moved field, in the unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 
@@ -126,7 +126,7 @@ impl Node for Transform {
         if self.is_identity() {
             return Ok(Outputs { field: field.crop(&cx.grid) });
         }
-        let empty = || Error::Input { port: "field", message: "has no samples".into() };
+        let empty = || Error::Input { port: "field".into(), message: "has no samples".into() };
         let sampler = Sampler::new(&field).ok_or_else(empty)?;
         let back = Back::new(self, cx.terrain()?);
         let quantity = field.quantity();

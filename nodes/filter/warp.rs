@@ -77,7 +77,7 @@ ports! {
     }
     pub struct Outputs {
         /// Warped field, in the unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 
@@ -115,7 +115,7 @@ impl Node for Warp {
     }
 
     fn run(&self, cx: &Context<'_>, input: Inputs) -> Result<Outputs> {
-        let empty = || Error::Input { port: "field", message: "has no samples".into() };
+        let empty = || Error::Input { port: "field".into(), message: "has no samples".into() };
         let sampler = Sampler::new(&input.field).ok_or_else(empty)?;
         let quantity = input.field.quantity();
         let method = method_for(quantity, self.interpolation);

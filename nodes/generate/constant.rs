@@ -12,13 +12,13 @@ pub struct Constant {
     #[schemars(range(min = -1.0e6, max = 1.0e6), extend("x-soft" = [0.0, 1000.0]))]
     pub value: Number,
     /// What the value means.
-    pub quantity: Meaning,
+    pub quantity: ValueQuantity,
 }
 
 /// What the numbers of a generated field mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Meaning {
+pub enum ValueQuantity {
     /// A height in metres.
     #[default]
     Elevation,
@@ -28,9 +28,19 @@ pub enum Meaning {
     Number,
 }
 
+impl From<ValueQuantity> for Quantity {
+    fn from(quantity: ValueQuantity) -> Self {
+        match quantity {
+            ValueQuantity::Elevation => Self::Elevation,
+            ValueQuantity::Mask => Self::Mask,
+            ValueQuantity::Number => Self::Number,
+        }
+    }
+}
+
 impl Default for Constant {
     fn default() -> Self {
-        Self { value: Number(0.0), quantity: Meaning::Elevation }
+        Self { value: Number(0.0), quantity: ValueQuantity::Elevation }
     }
 }
 
@@ -38,7 +48,7 @@ ports! {
     pub struct Inputs {}
     pub struct Outputs {
         /// The value on every point.
-        field: Field,
+        field: Field = Meaning::Chosen,
     }
 }
 
@@ -55,12 +65,12 @@ impl Node for Constant {
         Cost::per_sample(grid, 0.5)
     }
 
+    fn quantity(&self, _: &str, _: Quantities<'_>) -> Quantity {
+        self.quantity.into()
+    }
+
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {
-        let quantity = match self.quantity {
-            Meaning::Elevation => Quantity::Elevation,
-            Meaning::Mask => Quantity::Mask,
-            Meaning::Number => Quantity::Number,
-        };
+        let quantity = self.quantity.into();
         let value = self.value.0 as f32;
         Ok(Outputs { field: cx.fill(quantity, |_, out| out.fill(value))? })
     }

@@ -122,7 +122,7 @@ ports! {
     pub struct Inputs {}
     pub struct Outputs {
         /// Height, in metres.
-        field: Field,
+        field: Field = Meaning::Fixed(Quantity::Elevation),
     }
 }
 

@@ -63,7 +63,7 @@ ports! {
     }
     pub struct Outputs {
         /// Height of the noise, in metres, around 0.
-        field: Field,
+        field: Field = Meaning::Fixed(Quantity::Elevation),
     }
 }
 

@@ -75,9 +75,9 @@ ports! {
     }
     pub struct Outputs {
         /// Distance in metres, up to the limit.
-        field: Field,
+        field: Field = Meaning::Fixed(Quantity::Length),
         /// 1 where the distance is 0 (signed: the limit inside), falling to 0 at the limit.
-        falloff: Field,
+        falloff: Field = Meaning::Fixed(Quantity::Mask),
     }
 }
 

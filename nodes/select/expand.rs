@@ -59,7 +59,7 @@ ports! {
     }
     pub struct Outputs {
         /// The field grown or shrunk, in the unit of the input.
-        field: Field,
+        field: Field = Meaning::like("field"),
     }
 }
 

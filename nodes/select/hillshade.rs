@@ -64,7 +64,7 @@ ports! {
     }
     pub struct Outputs {
         /// How bright the ground is, 0 to 1.
-        shade: Field,
+        shade: Field = Meaning::Fixed(Quantity::Mask),
     }
 }
 

@@ -62,7 +62,7 @@ ports! {
     }
     pub struct Outputs {
         /// The share of the sky that is seen, 0 to 1.
-        visibility: Field,
+        visibility: Field = Meaning::Fixed(Quantity::Mask),
     }
 }
 

@@ -37,7 +37,7 @@ ports! {
     }
     pub struct Outputs {
         /// Painted mask, 0 to 1.
-        mask: Field,
+        mask: Field = Meaning::Fixed(Quantity::Mask),
     }
 }
 

@@ -55,9 +55,9 @@ ports! {
     }
     pub struct Outputs {
         /// How far each place is selected, 0 to 1.
-        mask: Field,
+        mask: Field = Meaning::Fixed(Quantity::Mask),
         /// Compass direction in which the ground falls, in degrees from 0 up to 360; 0 where it is flat.
-        direction: Field,
+        direction: Field = Meaning::Fixed(Quantity::Direction),
     }
 }
 

@@ -76,9 +76,9 @@ ports! {
     }
     pub struct Outputs {
         /// How far each place is selected, 0 to 1.
-        mask: Field,
+        mask: Field = Meaning::Fixed(Quantity::Mask),
         /// The curvature in 1/m: positive on ridges, negative in hollows.
-        curvature: Field,
+        curvature: Field = Meaning::Fixed(Quantity::Curvature),
     }
 }
 

@@ -36,7 +36,7 @@ ports! {
     }
     pub struct Outputs {
         /// How far each place is selected, 0 to 1.
-        mask: Field,
+        mask: Field = Meaning::Fixed(Quantity::Mask),
     }
 }
 

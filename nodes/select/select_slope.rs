@@ -45,9 +45,9 @@ ports! {
     }
     pub struct Outputs {
         /// How far each place is selected, 0 to 1.
-        mask: Field,
+        mask: Field = Meaning::Fixed(Quantity::Mask),
         /// The slope in degrees: 0 flat, 90 upright.
-        slope: Field,
+        slope: Field = Meaning::Fixed(Quantity::Slope),
     }
 }
 

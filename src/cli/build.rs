@@ -17,7 +17,7 @@ use super::report::{REPORT, Report, STDOUT};
 use super::reserve::reserve;
 use super::shared::Part;
 use super::tiles::{TileArgs, tiles};
-use crate::engine::{Engine, EngineError, Evaluation, Stage, TaskReport, Want};
+use crate::engine::{Engine, EngineError, Evaluation, Failure, Want};
 use crate::files::Format;
 use crate::graph::{Graph, Problem};
 use crate::node::Cancel;
@@ -171,6 +171,11 @@ fn head(
     head
 }
 
+/// An output that cannot be made, with the reason.
+fn fault(job: &Job, failure: &Failure) -> (String, String, Exit) {
+    (job.name.clone(), failure.to_string(), Exit::of(failure))
+}
+
 struct Build<'a> {
     graph: &'a Graph,
     problems: &'a [Problem],
@@ -205,33 +210,32 @@ impl Build<'_> {
             failed(&name, said_of(problem), Exit::Graph, report, None);
         }
         // Refused before anything runs: what follows asks for less.
-        if let Some(largest) = tiles.iter().max_by_key(|t| t.grid.len()) {
+        let largest = tiles.iter().max_by_key(|t| t.grid.len());
+        let mut foreseen = Vec::new();
+        if let Some(largest) = largest {
             let wants: Vec<Want> = jobs.iter().map(|j| j.want(largest.grid)).collect();
             let mut plan = self.engine.plan_until(self.graph, &wants, self.cancel)?;
             self.engine.know(self.graph, &wants, &mut plan, self.progress, self.cancel)?;
             self.engine.admit(&plan)?;
+            let failures = jobs.iter().zip(plan.failures());
+            let mut failures: Vec<_> = failures.filter_map(|(j, f)| Some(fault(j, &*f?))).collect();
+            failures.extend(self.take_ranges(&mut jobs, report)?);
+            for (name, message, code) in &failures {
+                failed(name, message.clone(), *code, report, None);
+            }
+            let names: Vec<String> = jobs.iter().map(|j| j.name.clone()).collect();
+            foreseen = warnings(&plan, &names, &self.whole);
+            jobs.retain(|j| !failures.iter().any(|(name, ..)| *name == j.name));
         }
-        // A few samples tell what each output is, and so its format and range, before anything large runs.
-        self.resolve(
-            &mut jobs,
-            tiles,
-            &mut |name, message, code, report| failed(name, message, code, report, None),
-            report,
-        )?;
         let files: Vec<String> =
             jobs.iter().flat_map(|j| tiles.iter().flat_map(|t| j.files(t, self.cut))).collect();
         let with_sidecars =
             jobs.iter().flat_map(|j| tiles.iter().filter_map(|t| j.with_sidecar(t, self.cut)));
         with_sidecars.into_iter().try_for_each(|file| folder.spare_sidecar(&file))?;
         folder.claim(&files)?;
-        if let Some(tile) = tiles.first() {
-            let (names, wants): (Vec<String>, Vec<Want>) =
-                jobs.iter().map(|j| (j.name.clone(), j.want(tile.grid))).unzip();
-            let plan = self.engine.plan_until(self.graph, &wants, self.cancel)?;
-            for warning in warnings(&plan, &names, &self.whole) {
-                self.progress.say(&format!("warning: {warning}"));
-                report.warning(warning);
-            }
+        for warning in foreseen {
+            self.progress.say(&format!("warning: {warning}"));
+            report.warning(warning);
         }
         let graph_key = report.graph_key().to_owned();
         let to = job::Common {
@@ -282,54 +286,24 @@ impl Build<'_> {
         Ok(exit)
     }
 
-    /// Finds format and range of each output; those that fail are taken out.
-    fn resolve(
+    /// Finds the ranges that are still open: one for the whole terrain, never one a tile, that of the base grid. Gives
+    /// what failed on the way.
+    fn take_ranges(
         &self,
-        jobs: &mut Vec<Job>,
-        tiles: &[Tile],
-        failed: &mut impl FnMut(&str, String, Exit, &mut Report<'_>),
+        jobs: &mut [Job],
         report: &mut Report<'_>,
-    ) -> Result<(), Stop> {
-        let Some(first) = tiles.first() else { return Ok(()) };
-        let corner = Grid { cols: 2.min(first.grid.cols), rows: 2.min(first.grid.rows), ..first.grid };
-        self.progress.label("first look");
-        let wants: Vec<_> = jobs.iter().map(|j| j.want(corner)).collect();
-        let looks = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
-        // What runs on the base grid or on none runs here and not again; the few samples themselves are no news.
-        let lasting = |t: &&TaskReport| !matches!(t.stage, Stage::Run | Stage::Lift);
-        let lasting: Vec<TaskReport> = looks.tasks.iter().filter(lasting).cloned().collect();
-        self.enter(&lasting, &looks, report);
-        let mut ranged = Vec::new();
-        for (job, value) in jobs.iter_mut().zip(&looks.values) {
-            if let Ok(value) = value {
-                job.settle(value);
-                if job.needs_range() {
-                    ranged.push(job.name.clone());
-                }
-            }
-        }
-        let mut failures: Vec<(String, String, Exit)> = Vec::new();
-        let fault = |job: &Job, f: &crate::engine::Failure| (job.name.clone(), f.to_string(), Exit::of(f));
-        failures.extend(
-            jobs.iter().zip(&looks.values).filter_map(|(j, v)| v.as_ref().err().map(|f| fault(j, f))),
-        );
-        // One range for the whole terrain, never one a tile: that of the base grid.
+    ) -> Result<Vec<(String, String, Exit)>, Stop> {
         let base = self.graph.terrain().base_grid();
+        let mut failures = Vec::new();
         self.progress.label("range");
-        for job in jobs.iter_mut().filter(|j| ranged.contains(&j.name)) {
-            let wants = [job.want(base)];
-            let evaluation = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
-            self.enter(&evaluation.tasks, &evaluation, report);
+        for job in jobs.iter_mut().filter(|j| j.needs_range()) {
+            let evaluation = self.values(std::slice::from_ref(job), &base, report)?;
             match &evaluation.values[0] {
                 Ok(value) => job.take_range(value),
                 Err(f) => failures.push(fault(job, f)),
             }
         }
-        jobs.retain(|j| !failures.iter().any(|(name, ..)| *name == j.name));
-        for (name, message, exit) in failures {
-            failed(&name, message, exit, report);
-        }
-        Ok(())
+        Ok(failures)
     }
 
     fn evaluate(&self, jobs: &[Job], tile: &Tile, report: &mut Report<'_>) -> Result<Evaluation, Stop> {
@@ -344,13 +318,13 @@ impl Build<'_> {
     fn values(&self, jobs: &[Job], grid: &Grid, report: &mut Report<'_>) -> Result<Evaluation, EngineError> {
         let wants: Vec<_> = jobs.iter().map(|j| j.want(*grid)).collect();
         let evaluation = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
-        self.enter(&evaluation.tasks, &evaluation, report);
+        self.enter(&evaluation, report);
         Ok(evaluation)
     }
 
-    /// Enters tasks of an evaluation in the report, and says what their nodes warn of.
-    fn enter(&self, tasks: &[TaskReport], of: &Evaluation, report: &mut Report<'_>) {
-        for warning in report.evaluation(of, tasks) {
+    /// Enters an evaluation in the report, and says what their nodes warn of.
+    fn enter(&self, of: &Evaluation, report: &mut Report<'_>) {
+        for warning in report.evaluation(of) {
             self.progress.say(&format!("warning: {warning}"));
         }
         for notice in &of.notices {

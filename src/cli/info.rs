@@ -7,11 +7,12 @@ use serde_json::json;
 use super::args::GraphArgs;
 use super::exit::{Exit, Stop, print_json, print_lines};
 use super::{height, open};
-use crate::files::Info;
-use crate::graph::Graph;
+use crate::files::{Format, Info};
+use crate::graph::{Graph, GraphQuantities, Output};
 use crate::node::Cancel;
 use crate::nodes::Registry;
 use crate::params::Shape;
+use crate::value::Quantity;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -60,14 +61,30 @@ fn as_json(graph: &Graph) -> serde_json::Value {
             "label": e.label, "about": e.about,
         })
     });
-    let outputs = graph
-        .outputs()
-        .map(|(name, o)| json!({ "name": name, "from": o.from, "format": o.format, "about": o.about }));
+    let quantities = graph.quantities();
+    let outputs = graph.outputs().map(|(name, o)| {
+        let (quantity, format) = written(graph, &quantities, o);
+        json!({
+            "name": name, "from": o.from, "format": format.map(Format::name),
+            "quantity": quantity.map(Quantity::name), "unit": quantity.map(Quantity::unit), "about": o.about,
+        })
+    });
     json!({
         "title": about.title, "author": about.author, "license": about.license, "about": about.about,
         "tags": about.tags, "terrain": graph.terrain(), "nodes": graph.nodes().len(),
         "exposed": exposed.collect::<Vec<_>>(), "outputs": outputs.collect::<Vec<_>>(),
     })
+}
+
+/// What the numbers of an output mean, and the format in which a build writes it; nothing where a fault leaves them open.
+fn written(
+    graph: &Graph,
+    quantities: &GraphQuantities,
+    output: &Output,
+) -> (Option<Quantity>, Option<Format>) {
+    let source = graph.resolved(&output.from);
+    let quantity = source.and_then(|source| quantities.get(graph, &source));
+    (quantity, output.format.or(quantity.map(|quantity| output.format_for(quantity))))
 }
 
 fn lines(graph: &Graph) -> Vec<String> {
@@ -106,9 +123,13 @@ fn lines(graph: &Graph) -> Vec<String> {
         let note = if e.about.is_empty() { &e.label } else { &e.about };
         lines.push(format!("set      {name} = {}{unit}{range}  {note}", e.value).trim_end().to_owned());
     }
+    let quantities = graph.quantities();
     for (name, o) in graph.outputs() {
-        let format = o.format.map_or("", |f| f.name());
-        lines.push(format!("output   {name} from {} {format}  {}", o.from, o.about).trim_end().to_owned());
+        let (quantity, format) = written(graph, &quantities, o);
+        let parts = [format.map(|f| f.name().to_owned()), quantity.map(Quantity::described)];
+        let what: Vec<String> = parts.into_iter().flatten().collect();
+        let line = format!("output   {name} from {}: {}  {}", o.from, what.join(", "), o.about);
+        lines.push(line.trim_end().trim_end_matches(':').to_owned());
     }
     lines
 }

@@ -10,7 +10,7 @@ use super::exit::{Exit, Stop};
 use crate::engine::Want;
 use crate::files::{Format, Target, WriteJob, Writing, encode, sidecar_name, writer_cost};
 use crate::graph::{Graph, Output, Place, Problem, Source};
-use crate::value::{Grid, Quantity, Terrain, Value, WireType};
+use crate::value::{Grid, Quantity, Terrain, Value};
 use crate::whole::{self, Known};
 
 /// A part of the window that is built at once.
@@ -27,7 +27,7 @@ pub(super) struct Job {
     pub source: Source,
     output: Output,
     target: Option<Target>,
-    format: Option<Format>,
+    format: Format,
     range: Option<[f64; 2]>,
     quantity: Quantity,
     channels: usize,
@@ -63,16 +63,7 @@ pub(super) fn jobs(
     let (mut jobs, mut broken) = (Vec::new(), Vec::new());
     for (name, output) in graph.outputs().filter(|(n, _)| names.iter().any(|m| m == n)) {
         match source_of(graph, name, problems) {
-            Ok(source) => jobs.push(Job {
-                name: name.to_owned(),
-                source,
-                target: output.target,
-                format: format.or(output.format),
-                range: output.range,
-                output: output.clone(),
-                quantity: Quantity::Number,
-                channels: 1,
-            }),
+            Ok(source) => jobs.push(Job::new(graph, name, output, source, format)),
             Err(problem) => broken.push((name.to_owned(), problem)),
         }
     }
@@ -96,36 +87,41 @@ pub(super) fn source_of(graph: &Graph, name: &str, problems: &[Problem]) -> Resu
 }
 
 impl Job {
+    fn new(graph: &Graph, name: &str, output: &Output, source: Source, format: Option<Format>) -> Self {
+        let quantity = graph.quantity(&source).unwrap_or(Quantity::Number);
+        Self {
+            name: name.to_owned(),
+            target: output.target,
+            format: format.unwrap_or_else(|| output.format_for(quantity)),
+            range: output.range,
+            output: output.clone(),
+            quantity,
+            channels: graph.wire_type(&source).map_or(1, |wire| (wire.sample_bytes() / 4) as usize),
+            source,
+        }
+    }
+
     /// What it asks of the engine on a grid.
     pub(super) fn want(&self, grid: Grid) -> Want {
-        Want { node: self.source.node, port: self.source.port, grid }
+        Want { node: self.source.node, port: self.source.port.clone(), grid }
     }
 
-    /// Seconds that writing it on a grid takes on one core, before it is known what it is: colours are taken for a
-    /// picture, all else for floats, where nothing chose the format.
-    pub(super) fn writing_seconds(&self, graph: &Graph, grid: &Grid) -> f64 {
-        let Some(wire) = graph.wire_type(self.source) else { return 0.0 };
-        let chosen = self.format.or(self.target.map(Target::format));
-        let format = chosen.unwrap_or(if wire == WireType::Colors { Format::Png8 } else { Format::Exr });
-        let channels = (wire.sample_bytes() / 4) as usize;
-        writer_cost(format, [grid.cols, grid.rows], channels, 1).seconds
+    /// Seconds that writing it on a grid takes on one core.
+    pub(super) fn writing_seconds(&self, grid: &Grid) -> f64 {
+        writer_cost(self.format, [grid.cols, grid.rows], self.channels, 1).seconds
     }
 
-    /// Chooses the format by what the output is, where nothing else chose it.
-    pub(super) fn settle(&mut self, value: &Value) {
-        self.quantity = value.quantity().unwrap_or(Quantity::Number);
-        self.channels = (value.wire_type().sample_bytes() / 4) as usize;
-        let by_target = self.target.filter(|_| self.quantity == Quantity::Elevation).map(Target::format);
-        let by_quantity = match self.quantity {
-            Quantity::Color => Format::Png8,
-            Quantity::Mask => Format::Png16,
-            _ => Format::Exr,
-        };
-        self.format = self.format.or(by_target).or(Some(by_quantity));
+    /// The entry of a plan: what will be written, before anything runs.
+    pub(super) fn planned(&self, grid: &Grid, effective_cell: Option<f64>) -> Json {
+        json!({
+            "name": self.name, "cols": grid.cols, "rows": grid.rows, "effective_cell": effective_cell,
+            "format": self.format.name(), "quantity": self.quantity.name(), "unit": self.quantity.unit(),
+        })
     }
 
-    fn format(&self) -> Format {
-        self.format.unwrap_or(Format::Exr)
+    /// What will be written, as a person reads it: `exr, elevation in m`.
+    pub(super) fn summary(&self) -> String {
+        format!("{}, {}", self.format.name(), self.quantity.described())
     }
 
     /// Whether integers are to be written and nobody said what they stand for.
@@ -134,7 +130,7 @@ impl Job {
             self.quantity,
             Quantity::Mask | Quantity::Direction | Quantity::Slope | Quantity::Color | Quantity::Vector
         );
-        self.format().is_integer() && self.range.is_none() && !own
+        self.format.is_integer() && self.range.is_none() && !own
     }
 
     /// Takes the range from the base grid, a tenth wider each way since finer grids reach a little further.
@@ -151,19 +147,19 @@ impl Job {
     }
 
     fn file(&self, tile: &Tile, cut: bool) -> String {
-        format!("{}.{}", self.stem(tile, cut), self.format().extension())
+        format!("{}.{}", self.stem(tile, cut), self.format.extension())
     }
 
     /// The names of the files it will write for a tile.
     pub(super) fn files(&self, tile: &Tile, cut: bool) -> Vec<String> {
         let file = self.file(tile, cut);
-        let sidecar = self.format().has_sidecar(self.channels).then(|| sidecar_name(&file));
+        let sidecar = self.format.has_sidecar(self.channels).then(|| sidecar_name(&file));
         sidecar.into_iter().chain([file]).collect()
     }
 
     /// The file that it will write for a tile, where a sidecar goes with it.
     pub(super) fn with_sidecar(&self, tile: &Tile, cut: bool) -> Option<String> {
-        self.format().has_sidecar(self.channels).then(|| self.file(tile, cut))
+        self.format.has_sidecar(self.channels).then(|| self.file(tile, cut))
     }
 
     /// Writes the value of a tile, whole or not at all.
@@ -176,7 +172,7 @@ impl Job {
             clip: self.output.clip,
             flip: self.output.flip || self.target.is_some_and(Target::flip),
             target: self.target,
-            ..self.format().into()
+            ..self.format.into()
         };
         let job = WriteJob {
             tile: cut.then_some(tile.place),
@@ -200,7 +196,7 @@ impl Job {
         };
         let grid = tile.grid;
         let json = json!({
-            "name": self.name, "path": file, "format": self.format().name(), "bytes": stamp.bytes,
+            "name": self.name, "path": file, "format": self.format.name(), "bytes": stamp.bytes,
             "sha256": stamp.sha256, "samples_sha256": samples_sha256(value),
             "cols": grid.cols, "rows": grid.rows, "cell": grid.cell(),
             "quantity": self.quantity.name(), "unit": self.quantity.unit(),
@@ -208,7 +204,7 @@ impl Job {
             "range": written.range, "clipped": written.clipped, "notes": notes,
             "tile": cut.then(|| json!(tile.place)), "sidecar": sidecar,
         });
-        let cost = writer_cost(self.format(), [grid.cols, grid.rows], self.channels, 1);
+        let cost = writer_cost(self.format, [grid.cols, grid.rows], self.channels, 1);
         Ok(Entry { json, notes, planned_seconds: cost.seconds })
     }
 }

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::exit::{Exit, Stop, print, print_json};
+use crate::name::Name;
 use crate::node::Kind;
 use crate::nodes::Registry;
 use crate::params::page::{Row, Section, rows, sections};
-use crate::ports::Port;
+use crate::ports::{Meaning, Port};
 use crate::whole::{self, Known};
 
 #[derive(Debug, clap::Args)]
@@ -35,14 +36,14 @@ pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
         return if args.json { print_json(&as_json(kind)) } else { print(&page(kind)) };
     }
     if args.json {
-        let all: Vec<_> = registry.iter().map(as_json).collect();
+        let all: Vec<_> = registry.iter().map(|kind| as_json(kind)).collect();
         return print_json(&json!(all));
     }
     print(&list(registry))
 }
 
-fn families(registry: &Registry) -> Vec<&'static str> {
-    let mut families: Vec<_> = registry.iter().map(|k| k.family).collect();
+fn families(registry: &Registry) -> Vec<&str> {
+    let mut families: Vec<_> = registry.iter().map(|k| k.family.as_str()).collect();
     families.sort_unstable();
     families.dedup();
     families
@@ -59,20 +60,25 @@ fn list(registry: &Registry) -> String {
     text
 }
 
-fn as_json(kind: &'static Kind) -> serde_json::Value {
-    let ports = |ports: &mut dyn Iterator<Item = &'static Port>| -> serde_json::Value {
-        ports
-            .map(|p| json!({ "name": p.name, "type": p.wire.name(), "required": p.required, "doc": p.doc }))
-            .collect()
+fn as_json(kind: &Kind) -> serde_json::Value {
+    let port = |p: &Port| {
+        let (name, doc) = (p.name.as_str(), p.doc.as_str());
+        json!({ "name": name, "type": p.wire.name(), "required": p.required, "doc": doc })
     };
+    let output = |p: &Port| {
+        let mut output = port(p);
+        output["quantity"] = quantity(p).into();
+        output
+    };
+    let names = |all: &[Name]| all.iter().map(Name::to_string).collect::<Vec<_>>();
     json!({
-        "kind": kind.id,
-        "family": kind.family,
-        "version": kind.meta.version,
-        "keywords": kind.meta.keywords,
+        "kind": kind.id.as_str(),
+        "family": kind.family.as_str(),
+        "version": kind.version,
+        "keywords": names(&kind.keywords),
         "doc": kind.doc(),
-        "inputs": ports(&mut kind.inputs()),
-        "outputs": ports(&mut kind.outputs.iter()),
+        "inputs": kind.inputs.iter().map(port).collect::<Vec<_>>(),
+        "outputs": kind.outputs.iter().map(output).collect::<Vec<_>>(),
         "parameters": kind.schema(),
     })
 }
@@ -85,35 +91,53 @@ fn title(id: &str) -> String {
 }
 
 /// The manual page of a kind in Markdown.
-pub(super) fn page(kind: &'static Kind) -> String {
-    let mut page = format!("# {}\n\n`{}`, in the family *{}*.\n\n", title(kind.id), kind.id, kind.family);
+pub(super) fn page(kind: &Kind) -> String {
+    let mut page = format!("# {}\n\n`{}`, in the family *{}*.\n\n", title(&kind.id), kind.id, kind.family);
     // The headings of the doc comment stand below the title of the page.
     for line in kind.doc().lines() {
         let _ = writeln!(page, "{}{line}", if line.starts_with('#') { "#" } else { "" });
     }
-    port_table(&mut page, "Inputs", &mut kind.inputs());
-    port_table(&mut page, "Outputs", &mut kind.outputs.iter());
+    input_table(&mut page, &kind.inputs);
+    output_table(&mut page, &kind.outputs);
     if !kind.params().is_empty() {
         page += "\n## Parameters\n\n";
         table(&mut page, &rows(kind.params()));
     }
     sections(kind.params()).iter().for_each(|section| inside(&mut page, section));
-    if !kind.meta.cite.is_empty() {
+    if !kind.cite.is_empty() {
         let _ = write!(page, "\n## References\n\nKeys of [references.bib](../references.bib): ");
-        let _ = writeln!(page, "{}.", kind.meta.cite.join(", "));
+        let _ = writeln!(page, "{}.", kind.cite.join(", "));
     }
     page
 }
 
-fn port_table(page: &mut String, head: &str, ports: &mut dyn Iterator<Item = &'static Port>) {
-    let mut rows = ports.peekable();
-    if rows.peek().is_none() {
+fn input_table(page: &mut String, ports: &[Port]) {
+    if ports.is_empty() {
         return;
     }
-    let _ = write!(page, "\n## {head}\n\n| name | type | what it is |\n|:--|:--|:--|\n");
-    for p in rows {
+    *page += "\n## Inputs\n\n| name | type | what it is |\n|:--|:--|:--|\n";
+    for p in ports {
         let optional = if p.required { "" } else { ", optional" };
-        let _ = writeln!(page, "| `{}` | {}{optional} | {} |", p.name, p.wire.name(), cell(p.doc));
+        let _ = writeln!(page, "| `{}` | {}{optional} | {} |", p.name, p.wire.name(), cell(&p.doc));
+    }
+}
+
+fn output_table(page: &mut String, ports: &[Port]) {
+    *page += "\n## Outputs\n\n| name | type | numbers | what it is |\n|:--|:--|:--|:--|\n";
+    for p in ports {
+        let optional = if p.required { "" } else { ", optional" };
+        let (wire, numbers) = (p.wire.name(), quantity(p));
+        let _ = writeln!(page, "| `{}` | {wire}{optional} | {numbers} | {} |", p.name, cell(&p.doc));
+    }
+}
+
+/// What the numbers of an output mean, as far as its port says so.
+fn quantity(port: &Port) -> String {
+    match &port.meaning {
+        Meaning::Fixed(quantity) => quantity.described(),
+        Meaning::Like(input) => format!("as `{input}`"),
+        Meaning::Chosen => "by parameters and inputs".to_owned(),
+        Meaning::Nothing => String::new(),
     }
 }
 

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::args::{EngineArgs, GraphArgs, GridArgs};
 use super::exit::{Exit, Stop, print_json, print_lines, tell};
-use super::job::{jobs, said_of};
+use super::job::{Job, jobs, said_of};
 use super::open::{self, Opened};
 use super::progress::{Mode, Progress};
 use super::reserve::reserve;
@@ -74,9 +74,9 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let made: Vec<String> = jobs.iter().map(|j| j.name.clone()).collect();
     let failures = failures(&plan, &made, broken);
     let need = engine.need(plan.peak_bytes());
-    let writing = jobs.iter().map(|j| j.writing_seconds(&graph, &tile)).sum();
+    let writing = jobs.iter().map(|j| j.writing_seconds(&tile)).sum();
     let planned =
-        Planned { plan: &plan, names: &made, window: &tile, reserve, need, writing, failures: &failures };
+        Planned { plan: &plan, jobs: &jobs, window: &tile, reserve, need, writing, failures: &failures };
     if args.json {
         print_json(&json_of(&planned))?;
     } else {
@@ -117,7 +117,7 @@ fn failures(plan: &Plan, names: &[String], broken: Vec<(String, Problem)>) -> Ve
 /// A plan as it is shown.
 struct Planned<'a> {
     plan: &'a Plan,
-    names: &'a [String],
+    jobs: &'a [Job],
     window: &'a Grid,
     /// Bytes for all but the evaluation.
     reserve: u64,
@@ -150,13 +150,13 @@ pub(super) fn warnings(plan: &Plan, names: &[String], window: &Grid) -> Vec<Stri
 }
 
 fn table(planned: &Planned<'_>) -> Vec<String> {
-    let &Planned { plan, names, window, reserve, need, writing, failures } = planned;
+    let &Planned { plan, jobs, window, reserve, need, writing, failures } = planned;
     let mut rows =
         vec![["node", "kind", "stage", "grid", "detail m", "memory", "seconds", "cached"].map(String::from)];
     for t in plan.tasks() {
         rows.push([
             printable(&t.node).into_owned(),
-            t.kind.to_owned(),
+            t.kind.to_string(),
             t.stage.name().to_owned(),
             t.grid.map_or_else(|| "none".into(), |g| format!("{} x {}", g.cols, g.rows)),
             format!("{:.3}", t.effective_cell),
@@ -172,10 +172,11 @@ fn table(planned: &Planned<'_>) -> Vec<String> {
         let line: Vec<String> = row.iter().zip(&widths).map(|(cell, w)| format!("{cell:w$}")).collect();
         lines.push(line.join("  ").trim_end().to_owned());
     }
-    for (i, name) in names.iter().enumerate() {
+    for (i, job) in jobs.iter().enumerate() {
         if let Some(cell) = plan.effective_cell(i) {
+            let (name, what) = (&job.name, job.summary());
             lines.push(format!(
-                "output {name}: {} x {}, detail down to {cell:.3} m",
+                "output {name}: {} x {}, {what}, detail down to {cell:.3} m",
                 window.cols, window.rows
             ));
         }
@@ -196,18 +197,16 @@ fn table(planned: &Planned<'_>) -> Vec<String> {
 }
 
 fn json_of(planned: &Planned<'_>) -> serde_json::Value {
-    let &Planned { plan, names, window, reserve, need, writing, failures } = planned;
+    let &Planned { plan, jobs, window, reserve, need, writing, failures } = planned;
     let tasks = plan.tasks().into_iter().map(|t| {
         json!({
-            "node": t.node, "kind": t.kind, "stage": t.stage.name(), "cols": t.grid.map(|g| g.cols), "rows": t.grid.map(|g| g.rows),
+            "node": t.node, "kind": t.kind.as_str(), "stage": t.stage.name(), "cols": t.grid.map(|g| g.cols), "rows": t.grid.map(|g| g.rows),
             "cell": t.grid.map(|g| g.cell()), "effective_cell": t.effective_cell, "backend": "cpu",
             "bytes": t.output_bytes + t.cost.bytes, "seconds": t.cost.seconds, "cached": t.cached,
         })
     });
     let tasks: Vec<_> = tasks.collect();
-    let outputs = names.iter().enumerate().map(|(i, name)| {
-        json!({ "name": name, "cols": window.cols, "rows": window.rows, "effective_cell": plan.effective_cell(i) })
-    });
+    let outputs = jobs.iter().enumerate().map(|(i, job)| job.planned(window, plan.effective_cell(i)));
     let outputs: Vec<_> = outputs.collect();
     let failed = |f: &Failed| json!({ "output": f.output, "error": f.message, "exit": f.exit.code() });
     json!({

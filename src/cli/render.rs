@@ -15,7 +15,7 @@ use super::sidecars::spare_heights;
 use super::{heed, height};
 use crate::engine::{Engine, Options, Want};
 use crate::files::{HeightFile, Limits, Squared, fill_voids};
-use crate::graph::{Graph, Source};
+use crate::graph::Graph;
 use crate::node::{Cancel, Cost};
 use crate::nodes::Registry;
 use crate::render::{
@@ -218,8 +218,7 @@ fn from_graph(
         Some(name) => named(name)?,
         None => {
             let fields = chosen(&graph, &[])?.into_iter().filter_map(|name| wanted(&name).ok());
-            let mut fields = fields
-                .filter(|w| graph.wire_type(Source { node: w.node, port: w.port }) == Some(WireType::Field));
+            let mut fields = fields.filter(|w| graph.wire_type(&w.source()) == Some(WireType::Field));
             fields.next().ok_or_else(|| Stop::usage("the graph has no output that is a field"))?
         }
     };
@@ -284,7 +283,7 @@ fn map_width(args: &Args, cols: usize) -> Option<usize> {
 /// that was put into them: the picture has light of its own.
 fn own_colors(graph: &Graph, window: Grid) -> Option<(String, Graph, Want)> {
     let outputs = graph.outputs().filter_map(|(name, _)| Some((name, graph.output_source(name).ok()?)));
-    let (name, source) = outputs.into_iter().find(|(_, s)| graph.wire_type(*s) == Some(WireType::Colors))?;
+    let (name, source) = outputs.into_iter().find(|(_, s)| graph.wire_type(s) == Some(WireType::Colors))?;
     let mut plain = graph.clone();
     if graph.source(source.node, SHADE).is_some() {
         plain.disconnect(source.node, SHADE).ok()?;

@@ -10,8 +10,9 @@ use serde_json::{Map, Value as Json, json};
 use super::exit::{Exit, Stop, json_text, print_json, save};
 use super::folder::Folder;
 use super::shared::{self, Part};
-use crate::engine::{Evaluation, TaskReport, process_peak, process_seconds};
+use crate::engine::{Evaluation, process_peak, process_seconds};
 use crate::files::Tile;
+use crate::name::Name;
 use crate::whole::{self, Known};
 
 /// The name of the report in the folder of a build.
@@ -43,7 +44,7 @@ pub(super) struct Report<'a> {
 /// What the tasks of one node and stage did together, over all tiles.
 #[derive(Default)]
 struct NodeTotal {
-    kind: &'static str,
+    kind: Name,
     runs: u32,
     cached: u32,
     seconds: f64,
@@ -151,15 +152,15 @@ impl<'a> Report<'a> {
         self.failures.extend(tiles.into_iter().map(entry));
     }
 
-    /// Takes up what an evaluation did by some tasks; gives what nodes said of their results and did not say before.
-    pub(super) fn evaluation(&mut self, of: &Evaluation, tasks: &[TaskReport]) -> Vec<String> {
+    /// Takes up what an evaluation did; gives what nodes said of their results and did not say before.
+    pub(super) fn evaluation(&mut self, of: &Evaluation) -> Vec<String> {
         let mut news = Vec::new();
         self.peak_bytes = self.peak_bytes.max(of.peak_bytes);
         self.planned_bytes = self.planned_bytes.max(of.planned_bytes);
         self.planned_seconds += of.planned_seconds;
-        for task in tasks {
+        for task in &of.tasks {
             let total = self.nodes.entry((task.node.clone(), task.stage.name())).or_default();
-            total.kind = task.kind;
+            total.kind.clone_from(&task.kind);
             total.seconds += task.seconds;
             total.bytes = total.bytes.max(task.bytes);
             total.failed |= !task.done;
@@ -207,7 +208,7 @@ impl<'a> Report<'a> {
     fn taken(&mut self) -> Map<String, Json> {
         let nodes = self.nodes.iter().map(|((node, stage), t)| {
             json!({
-                "node": node, "stage": stage, "kind": t.kind, "backend": "cpu", "runs": t.runs, "cached": t.cached,
+                "node": node, "stage": stage, "kind": t.kind.as_str(), "backend": "cpu", "runs": t.runs, "cached": t.cached,
                 "seconds": t.seconds, "bytes": t.bytes, "failed": t.failed,
             })
         });

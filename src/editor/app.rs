@@ -25,6 +25,7 @@ use super::wish::Ordered;
 use super::{shown, theme};
 use crate::engine::Options;
 use crate::graph::{Graph, NodeId, Source};
+use crate::name::Name;
 use crate::nodes::Registry;
 
 /// How an editor starts.
@@ -35,6 +36,8 @@ pub struct Setup {
     pub home: Option<PathBuf>,
     /// How files are asked for.
     pub asker: Asker,
+    /// The kinds that its graphs may use.
+    pub registry: Registry,
     /// What the engine may use.
     pub options: Options,
     /// The format of the window's pixels; without one there is no relief view.
@@ -43,7 +46,8 @@ pub struct Setup {
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { path: None, home: None, asker: Box::new(system), options: Options::default(), format: None }
+        let (registry, options) = (Registry::standard(), Options::default());
+        Self { path: None, home: None, asker: Box::new(system), registry, options, format: None }
     }
 }
 
@@ -90,7 +94,7 @@ pub struct Editor {
     /// The node that was shown last, which stays while nothing is chosen.
     pub(super) last: Option<NodeId>,
     /// Of the shown node, the output that is shown; its first where it has none of the name.
-    pub(super) output: Option<&'static str>,
+    pub(super) output: Option<Name>,
     /// What colours the terrain; none for its own colours.
     pub(super) drape: Option<Source>,
     pub(super) asking: Option<(FileFor, Answer)>,
@@ -121,7 +125,7 @@ impl Editor {
     /// Starts with a graph or an empty canvas.
     pub fn new(ctx: &Context, setup: Setup) -> Self {
         theme::apply(ctx);
-        let registry = Registry::standard();
+        let registry = setup.registry;
         let settings = Settings::read(setup.home.as_deref());
         let mut notices = Notices::default();
         let keeper = setup.home.as_deref().map(Keeper::start).transpose().unwrap_or_else(|e| {
@@ -309,7 +313,7 @@ impl Editor {
             }
             self.map_pixels = ui.available_size() * ui.pixels_per_point();
             let graph = self.document.graph();
-            let named = |s: Option<Source>| s.map(|s| shown(&graph.source_text(s))).unwrap_or_default();
+            let named = |s: Option<Source>| s.map(|s| shown(&graph.source_text(&s))).unwrap_or_default();
             self.wipe.names = [named(self.target()), named(self.against())];
             let node = self.canvas.chosen.lone();
             let mut pad = Pad { document: &mut self.document, notices: &mut self.notices, node };

@@ -34,14 +34,14 @@ pub(crate) struct Seen {
 }
 
 /// What a whole view was made for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Made {
     pub(crate) state: u64,
     pub(crate) scene: Scenery,
 }
 
 /// What a view is made of.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Scenery {
     pub(crate) target: Source,
     /// What it is compared with.
@@ -203,7 +203,7 @@ impl Board {
             None => self.dark = Some((showing, light)),
             Some((picture, against)) => {
                 let (picture, against) = (Arc::new(picture), against.map(Arc::new));
-                self.lit = Some(Lit { showing, scene: self.scene, number, light, picture, against });
+                self.lit = Some(Lit { showing, scene: self.scene.clone(), number, light, picture, against });
             }
         }
     }

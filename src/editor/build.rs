@@ -202,8 +202,12 @@ impl BuildDialog {
         ui.label("Outputs");
         for (name, output) in graph.outputs() {
             let mut on = self.chosen.iter().any(|n| n == name);
-            let format = output.format.map_or("by its values", crate::files::Format::name);
-            if ui.checkbox(&mut on, format!("{name} ({format})")).changed() {
+            let quantity = graph.resolved(&output.from).and_then(|source| graph.quantity(&source));
+            let what = quantity.map_or("cannot be made".to_owned(), |quantity| {
+                let format = self.format.unwrap_or_else(|| output.format_for(quantity));
+                format!("{}, {}", format.name(), quantity.described())
+            });
+            if ui.checkbox(&mut on, format!("{name} ({what})")).changed() {
                 self.chosen.retain(|n| n != name);
                 if on {
                     self.chosen.push(name.to_owned());

@@ -242,7 +242,7 @@ impl Editor {
 
     fn palette(&mut self, ctx: &Context, mut finder: Finder) -> Option<Dialog> {
         let commands = Command::ALL.iter().copied().filter(|c| self.can(*c) && *c != Command::Palette);
-        let hits = finder.hits(commands, |c| (c.name().to_owned(), c.help()));
+        let hits = finder.hits(commands, |c| (c.name().to_owned(), c.help().to_owned()));
         let picked = finder.show(ctx, "commands", &hits, |ui, c| {
             let key = c.shortcut().map(|s| ui.ctx().format_shortcut(&s)).unwrap_or_default();
             (c.name().to_owned(), key)
@@ -260,9 +260,9 @@ impl Editor {
     fn find(&mut self, ctx: &Context, mut finder: Finder) -> Option<Dialog> {
         let graph = self.document.graph();
         let name = |id: &NodeId| graph.node(*id).name.clone();
-        let kind = |id: &NodeId| graph.node(*id).kind().map_or("", |k| k.id);
+        let kind = |id: &NodeId| graph.node(*id).kind().map(|k| k.id.to_string()).unwrap_or_default();
         let hits = finder.hits(graph.nodes(), |id| (name(id), kind(id)));
-        let picked = finder.show(ctx, "nodes of this graph", &hits, |_, id| (name(id), kind(id).to_owned()));
+        let picked = finder.show(ctx, "nodes of this graph", &hits, |_, id| (name(id), kind(id)));
         match picked {
             Pick::One(id) => {
                 self.go_to(id);
@@ -284,11 +284,11 @@ impl Finder {
     fn hits<T: Copy>(
         &self,
         all: impl IntoIterator<Item = T>,
-        text: impl Fn(&T) -> (String, &'static str),
+        text: impl Fn(&T) -> (String, String),
     ) -> Vec<T> {
         let score = |one: T| {
             let (name, more) = text(&one);
-            Some((fuzzy::best(self.query.trim(), &name, [more])?, one))
+            Some((fuzzy::best(self.query.trim(), &name, [more.as_str()])?, one))
         };
         let mut found: Vec<_> = all.into_iter().filter_map(score).collect();
         if !self.query.trim().is_empty() {

@@ -54,15 +54,15 @@ mod tests {
     fn names_before_synonyms_and_starts_before_middles() {
         let rank = |query: &str| {
             let kinds = crate::nodes::Registry::standard();
-            let fit = |k: &&'static crate::node::Kind| best(query, k.id, k.meta.keywords.iter().copied());
-            let mut found: Vec<_> = kinds.iter().filter_map(|k| Some((fit(&k)?, k.id))).collect();
-            found.sort_by_key(|(s, id)| (-s, *id));
-            found.first().map(|(_, id)| *id)
+            let fit = |k: &crate::node::Kind| best(query, &k.id, k.keywords.iter().map(|word| word.as_str()));
+            let mut found: Vec<_> = kinds.iter().filter_map(|k| Some((-fit(k)?, k.id.to_string()))).collect();
+            found.sort();
+            found.first().map(|(_, id)| id.clone())
         };
-        assert_eq!(rank("blur"), Some("blur"));
-        assert_eq!(rank("fn"), Some("fractal_noise"));
-        assert_eq!(rank("slope"), Some("select_slope"));
-        assert_eq!(rank("unsharp"), Some("sharpen"));
-        assert_eq!(rank("blurr"), Some("blur"));
+        assert_eq!(rank("blur").as_deref(), Some("blur"));
+        assert_eq!(rank("fn").as_deref(), Some("fractal_noise"));
+        assert_eq!(rank("slope").as_deref(), Some("select_slope"));
+        assert_eq!(rank("unsharp").as_deref(), Some("sharpen"));
+        assert_eq!(rank("blurr").as_deref(), Some("blur"));
     }
 }

@@ -5,56 +5,51 @@ use std::collections::BTreeSet;
 use serde_json::Value as Json;
 
 use crate::graph::{Grafted, Graph, LoadError, NodeId, Note, Place, Problem, Source};
+use crate::name::Name;
 use crate::node::Kind;
 use crate::nodes::Registry;
 use crate::value::WireType;
 
 /// An end of a wire that a hand holds the other end of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum End {
     /// It comes from an output and looks for an input.
     From(Source),
     /// It goes to an input and looks for an output.
-    To(NodeId, &'static str),
+    To(NodeId, Name),
 }
 
 impl End {
     /// What the wire carries.
-    pub(crate) fn wire(self, graph: &Graph) -> Option<WireType> {
+    pub(crate) fn wire(&self, graph: &Graph) -> Option<WireType> {
         match self {
             Self::From(source) => graph.wire_type(source),
-            Self::To(id, input) => Some(graph.get(id)?.kind()?.input(input)?.wire),
+            Self::To(id, input) => Some(graph.get(*id)?.kind()?.input(input)?.wire),
         }
     }
 
     /// The first port of a kind that could be the other end.
-    pub(crate) fn port_of(self, graph: &Graph, kind: &'static Kind) -> Option<&'static str> {
+    pub(crate) fn port_of<'k>(&self, graph: &Graph, kind: &'k Kind) -> Option<&'k Name> {
         let wire = self.wire(graph)?;
-        let fits = |p: &&'static crate::ports::Port| p.wire == wire;
-        let port = match self {
-            Self::From(_) => kind.inputs().find(fits),
-            Self::To(..) => kind.outputs.iter().find(fits),
+        let ports = match self {
+            Self::From(_) => &kind.inputs,
+            Self::To(..) => &kind.outputs,
         };
-        port.map(|p| p.name)
+        ports.iter().find(|p| p.wire == wire).map(|p| &p.name)
     }
 }
 
 /// Adds a node of a kind, with its middle at a place, joined to a wire's end where one is given.
-pub(crate) fn add(
-    graph: &mut Graph,
-    kind: &'static Kind,
-    at: [f64; 2],
-    end: Option<End>,
-) -> Result<NodeId, Problem> {
-    let name = graph.free_name(kind.id);
-    let id = graph.add(&name, kind.id)?;
+pub(crate) fn add(graph: &mut Graph, kind: &Kind, at: [f64; 2], end: Option<End>) -> Result<NodeId, Problem> {
+    let name = graph.free_name(&kind.id);
+    let id = graph.add(&name, &kind.id)?;
     graph.move_to(id, at)?;
     if let Some(end) = end
         && let Some(port) = end.port_of(graph, kind)
     {
         match end {
-            End::From(source) => graph.connect(source.node, source.port, id, port)?,
-            End::To(node, input) => graph.connect(id, port, node, input)?,
+            End::From(source) => graph.connect(source.node, &source.port, id, port)?,
+            End::To(node, input) => graph.connect(id, port, node, &input)?,
         }
     }
     Ok(id)
@@ -66,40 +61,40 @@ pub(crate) fn add_chain(graph: &mut Graph, at: [f64; 2], kinds: &[&str]) -> Resu
     let mut end = None;
     for (k, id) in kinds.iter().enumerate() {
         let unknown = || Problem::error(Place::Graph, format!("there is no kind `{id}`"));
-        let kind = graph.registry().find(id).ok_or_else(unknown)?;
-        let new = add(graph, kind, [at[0] + 280.0 * k as f64, at[1]], end)?;
-        end = kind.outputs.first().map(|p| End::From(Source { node: new, port: p.name }));
+        let kind = graph.registry().find(id).cloned().ok_or_else(unknown)?;
+        let new = add(graph, &kind, [at[0] + 280.0 * k as f64, at[1]], end)?;
+        end = kind.outputs.first().map(|p| End::From(Source { node: new, port: p.name.clone() }));
         all.push(new);
     }
     Ok(all)
 }
 
 /// The ports by which a node would go between a source and an input; none where it does not fit.
-pub(crate) fn between(graph: &Graph, id: NodeId, source: Source, to: NodeId) -> Option<[&'static str; 2]> {
+pub(crate) fn between(graph: &Graph, id: NodeId, source: &Source, to: NodeId) -> Option<[Name; 2]> {
     let kind = graph.get(id)?.kind()?;
     let wire = graph.wire_type(source)?;
     let output = kind.outputs.iter().find(|p| p.wire == wire)?;
     // What the node changes first, then what it reads otherwise.
-    let changed = kind.bridge(output.name).and_then(|name| kind.input(name));
-    let input = changed.into_iter().chain(kind.inputs()).find(|p| p.wire == wire)?;
+    let changed = kind.bridge(&output.name).and_then(|name| kind.input(name));
+    let input = changed.into_iter().chain(&kind.inputs).find(|p| p.wire == wire)?;
     let strangers = id != source.node && id != to;
-    strangers.then_some([input.name, output.name])
+    strangers.then(|| [input.name.clone(), output.name.clone()])
 }
 
 /// Puts a node into a wire.
 pub(crate) fn insert(
     graph: &mut Graph,
     id: NodeId,
-    source: Source,
+    source: &Source,
     to: NodeId,
-    port: &'static str,
+    port: &str,
 ) -> Result<(), Problem> {
     let Some([input, output]) = between(graph, id, source, to) else {
         let name = graph.get(id).map_or(String::new(), |n| n.name.clone());
         return Err(Problem::error(Place::Node(name), "does not fit into this wire"));
     };
-    graph.connect(source.node, source.port, id, input)?;
-    graph.connect(id, output, to, port)
+    graph.connect(source.node, &source.port, id, &input)?;
+    graph.connect(id, &output, to, port)
 }
 
 /// Removes nodes and notes; with `bridge`, what a node changed is joined to what read it.
@@ -129,10 +124,11 @@ pub(crate) fn shift(
     let moved = |at: [f64; 2]| [at[0] + by[0], at[1] + by[1]];
     for &id in nodes {
         graph.move_to(id, moved(graph.node(id).at))?;
-        let inner: Vec<_> = graph.inputs(id).filter(|(_, s)| nodes.contains(&s.node)).collect();
-        for (input, _) in inner {
-            let bends = graph.bends(id, input).iter().map(|at| moved(*at)).collect::<Vec<_>>();
-            graph.set_bends(id, input, bends)?;
+        let inner = graph.inputs(id).filter(|(_, s)| nodes.contains(&s.node));
+        let inner: Vec<Name> = inner.map(|(input, _)| input.clone()).collect();
+        for input in inner {
+            let bends = graph.bends(id, &input).iter().map(|at| moved(*at)).collect::<Vec<_>>();
+            graph.set_bends(id, &input, bends)?;
         }
     }
     for name in notes {
@@ -207,9 +203,9 @@ mod tests {
     #[test]
     fn inserts_and_removes_with_a_bridge() {
         let (mut graph, [hills, soft, steps]) = graph();
-        let source = Source { node: hills, port: "field" };
-        insert(&mut graph, soft, source, steps, "field").expect("fits");
-        assert_eq!(graph.source(soft, "field"), Some(source));
+        let source = Source { node: hills, port: "field".into() };
+        insert(&mut graph, soft, &source, steps, "field").expect("fits");
+        assert_eq!(graph.source(soft, "field"), Some(source.clone()));
         assert_eq!(graph.source(steps, "field").map(|s| s.node), Some(soft));
         remove(&mut graph, &BTreeSet::from([soft]), &BTreeSet::new(), true).expect("removes");
         assert_eq!(graph.source(steps, "field"), Some(source));
@@ -220,10 +216,10 @@ mod tests {
         let (mut graph, [hills, _, steps]) = graph();
         let registry = graph.registry().clone();
         let kind = registry.find("clamp").expect("a kind");
-        let end = End::From(Source { node: hills, port: "field" });
+        let end = End::From(Source { node: hills, port: "field".into() });
         let clamp = add(&mut graph, kind, [5.0, 6.0], Some(end)).expect("adds");
         assert_eq!(graph.source(clamp, "field").map(|s| s.node), Some(hills));
-        let end = End::To(steps, "mask");
+        let end = End::To(steps, "mask".into());
         let slope = registry.find("select_slope").expect("a kind");
         let slope = add(&mut graph, slope, [0.0; 2], Some(end)).expect("adds");
         assert_eq!(graph.source(steps, "mask").map(|s| s.node), Some(slope));
@@ -249,10 +245,10 @@ mod tests {
     fn leaves_out_what_changes_a_field_and_nothing_else() {
         let (mut graph, [hills, _, steps]) = graph();
         toggle_bypass(&mut graph, &BTreeSet::from([steps])).expect("can be left out");
-        let out = Source { node: steps, port: "field" };
-        assert_eq!(graph.passed(out), Some(Source { node: hills, port: "field" }));
+        let out = Source { node: steps, port: "field".into() };
+        assert_eq!(graph.passed(out.clone()), Some(Source { node: hills, port: "field".into() }));
         assert!(toggle_bypass(&mut graph, &BTreeSet::from([hills])).is_err());
         toggle_bypass(&mut graph, &BTreeSet::from([steps])).expect("is taken in");
-        assert_eq!(graph.passed(out), Some(out));
+        assert_eq!(graph.passed(out.clone()), Some(out));
     }
 }

@@ -76,13 +76,14 @@ impl Editor {
     /// The output that colours the terrain.
     fn colours(&mut self, ui: &mut Ui) {
         let graph = self.document.graph();
-        let drape = self.drape.filter(|s| graph.wire_type(*s).is_some());
-        let text = drape.map_or("own colours".to_owned(), |s| shown(&graph.source_text(s)));
+        let drape = self.drape.clone().filter(|s| graph.wire_type(s).is_some());
+        let text = drape.as_ref().map_or("own colours".to_owned(), |s| shown(&graph.source_text(s)));
         let mut picked = drape;
         let combo = ComboBox::from_id_salt("drape").selected_text(text).show_ui(ui, |ui| {
             ui.selectable_value(&mut picked, None, "own colours");
             for source in paints(graph) {
-                ui.selectable_value(&mut picked, Some(source), graph.source_text(source));
+                let text = graph.source_text(&source);
+                ui.selectable_value(&mut picked, Some(source), text);
             }
         });
         named(&combo.response, "colours");
@@ -131,7 +132,7 @@ impl Editor {
             return;
         };
         let node = self.graph().node(source.node);
-        let (name, outputs) = (node.name.clone(), node.kind().map_or(&[][..], |k| k.outputs));
+        let (name, outputs) = (node.name.clone(), node.kind().map_or(Vec::new(), |k| k.outputs.clone()));
         let mut pinned = self.pinned == Some(source.node);
         let pin = ui.toggle_value(&mut pinned, "📌").on_hover_text("Keeps this node in the view");
         pin.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Checkbox, true, "pin"));
@@ -143,11 +144,11 @@ impl Editor {
         let label = egui::Label::new(egui::RichText::new(&name).strong()).truncate();
         ui.add_sized([110.0, ui.spacing().interact_size.y], label).on_hover_text(&name);
         if outputs.len() > 1 {
-            let combo = egui::ComboBox::from_id_salt("shown output").selected_text(source.port);
+            let combo = egui::ComboBox::from_id_salt("shown output").selected_text(source.port.as_str());
             combo.show_ui(ui, |ui| {
                 for port in outputs {
-                    let label = ui.selectable_label(port.name == source.port, port.name);
-                    if label.on_hover_text(port.doc).clicked() {
+                    let label = ui.selectable_label(port.name == source.port, port.name.as_str());
+                    if label.on_hover_text(port.doc.as_str()).clicked() {
                         self.output = Some(port.name);
                     }
                 }
@@ -158,10 +159,10 @@ impl Editor {
 
 /// Every output that can colour a terrain.
 fn paints(graph: &Graph) -> Vec<Source> {
-    let outputs = |id| graph.get(id).and_then(|n| n.kind()).map_or(&[][..], |k| k.outputs);
+    let outputs = |id| graph.get(id).and_then(|n| n.kind()).map_or(&[][..], |k| &k.outputs);
     let fits = |wire| matches!(wire, WireType::Field | WireType::Colors | WireType::Vectors);
     let all = graph.nodes().flat_map(|id| outputs(id).iter().map(move |p| (id, p)));
-    all.filter(|(_, p)| fits(p.wire)).map(|(node, p)| Source { node, port: p.name }).collect()
+    all.filter(|(_, p)| fits(p.wire)).map(|(node, p)| Source { node, port: p.name.clone() }).collect()
 }
 
 fn named(response: &egui::Response, name: &str) {

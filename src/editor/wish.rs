@@ -30,9 +30,9 @@ impl Editor {
     /// The output that the view shows.
     pub(super) fn target(&self) -> Option<Source> {
         let node = self.shown_node()?;
-        let outputs = self.document.graph().get(node)?.kind()?.outputs;
-        let named = self.output.and_then(|name| outputs.iter().find(|p| p.name == name));
-        Some(Source { node, port: named.or(outputs.first())?.name })
+        let outputs = &self.document.graph().get(node)?.kind()?.outputs;
+        let named = self.output.as_ref().and_then(|name| outputs.iter().find(|p| p.name == *name));
+        Some(Source { node, port: named.or(outputs.first())?.name.clone() })
     }
 
     /// What the shown terrain is compared with: the chosen node where another is pinned, else what goes into the shown
@@ -43,10 +43,10 @@ impl Editor {
         let other = self.canvas.chosen.lone().filter(|id| *id != target.node);
         let of_chosen = other.and_then(|node| {
             let port = graph.get(node)?.kind()?.outputs.iter().find(|p| p.wire == WireType::Field)?;
-            Some(Source { node, port: port.name })
+            Some(Source { node, port: port.name.clone() })
         });
         let before = || {
-            let input = graph.get(target.node)?.kind()?.bridge(target.port)?;
+            let input = graph.get(target.node)?.kind()?.bridge(&target.port)?;
             graph.source(target.node, input)
         };
         of_chosen.or_else(before)
@@ -55,7 +55,7 @@ impl Editor {
     fn scene(&self) -> Option<Scenery> {
         let target = self.target()?;
         let graph = self.document.graph();
-        let drape = self.drape.filter(|s| graph.wire_type(*s).is_some());
+        let drape = self.drape.clone().filter(|s| graph.wire_type(s).is_some());
         let size = self.map.wanted(self.map_pixels);
         let tint = self.drawing.painted(graph).filter(|s| *s != target);
         Some(Scenery { target, against: self.against(), drape, tint, size, look: self.map.look })
@@ -84,7 +84,7 @@ impl Editor {
         evaluator.order(Order {
             graph: self.document.shared(),
             state: wish.state,
-            scene: wish.scene,
+            scene: wish.scene.clone(),
             light: wish.light,
             detail: wish.detail,
             in_sight: self.canvas.in_sight.clone(),

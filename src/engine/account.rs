@@ -53,18 +53,18 @@ impl Sizes {
             return Self { cost, output_bytes: bytes, file_bytes: 0 };
         }
         let bytes_of = |all: Outputs| {
-            let sample: u64 = all.ports(step.kind).map(|p| p.wire.sample_bytes()).sum();
+            let sample: u64 = all.ports(&step.kind).map(|p| p.wire.sample_bytes()).sum();
             sample.saturating_mul(grid.len() as u64)
         };
         let output_bytes = if stage == Stage::Summary { SUMMARY_BYTES } else { bytes_of(read) };
         let mut cost = cost(step, stage, grid, base, read, foretold);
         if stage != Stage::Summary {
-            let made = if stage == Stage::Lift { read } else { Outputs::all(step.kind) };
+            let made = if stage == Stage::Lift { read } else { Outputs::all(&step.kind) };
             cost.seconds += bytes_of(made) as f64 / 4.0 * OUTPUT_NUMBER;
         }
         // A node makes all its outputs; those that nobody reads go when it is done.
         if matches!(stage, Stage::Base | Stage::Run) {
-            let unread = bytes_of(Outputs::all(step.kind)).saturating_sub(output_bytes);
+            let unread = bytes_of(Outputs::all(&step.kind)).saturating_sub(output_bytes);
             cost.bytes = cost.bytes.saturating_add(unread);
         }
         let reads = matches!(stage, Stage::Gridless | Stage::Base | Stage::Run);
@@ -88,7 +88,7 @@ fn cost(step: &Step, stage: Stage, grid: &Grid, base: &Grid, read: Outputs, fore
         Stage::Lift => lift_cost(step, grid, base, read),
     };
     let mixed =
-        !matches!(stage, Stage::Gridless | Stage::Base | Stage::Summary) && step.input(MASK.name).is_some();
+        !matches!(stage, Stage::Gridless | Stage::Base | Stage::Summary) && step.input(&MASK.name).is_some();
     if mixed { with_mixing(own, step, grid) } else { own }
 }
 
@@ -97,8 +97,8 @@ fn lift_cost(step: &Step, grid: &Grid, base: &Grid, read: Outputs) -> Cost {
     if base.contains(grid) {
         return Cost::per_sample(grid, LIFT_COPY);
     }
-    let channels: f64 = read.ports(step.kind).map(|p| p.wire.sample_bytes() as f64 / 4.0).sum();
-    let carried = step.kind.meta.carries.iter().any(|(output, _)| read.has(step.kind, output));
+    let channels: f64 = read.ports(&step.kind).map(|p| p.wire.sample_bytes() as f64 / 4.0).sum();
+    let carried = step.kind.carries.iter().any(|(output, _)| read.has(&step.kind, output));
     let extra = if carried { LIFT_CHANGE } else { 0.0 };
     // The change and its spline, or the splines of three channels and one of them set apart; a direction has two of each.
     Cost::per_sample(grid, LIFT_SAMPLE * channels + extra)
@@ -118,7 +118,7 @@ const MIX_SAMPLE: f64 = 2.5;
 fn with_mixing(cost: Cost, step: &Step, grid: &Grid) -> Cost {
     let channels =
         |output: &str| step.kind.output(output).map_or(0.0, |p| p.wire.sample_bytes() as f64 / 4.0);
-    let mixes = step.kind.meta.mixes.iter().map(|(output, _)| channels(output));
+    let mixes = step.kind.mixes.iter().map(|(output, _)| channels(output));
     let (widest, all) = mixes.fold((0.0, 0.0), |(widest, all): (f64, f64), c| (widest.max(c), all + c));
     cost.and(Cost::per_sample(grid, MIX_SAMPLE * all)).with_fields(grid, widest)
 }
@@ -131,7 +131,7 @@ pub(super) fn mark_lasting(tasks: &mut [Task]) -> u64 {
         for (role, need) in &task.needs {
             let gridless =
                 tasks[*need].stage == Stage::Gridless && matches!(task.stage, Stage::Run | Stage::Lift);
-            if gridless || matches!(role, Role::Base | Role::Before { .. } | Role::Summary) {
+            if gridless || matches!(role, Role::Base | Role::Before(_) | Role::Summary) {
                 lasting.push(*need);
             }
         }

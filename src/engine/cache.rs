@@ -42,16 +42,16 @@ impl Given {
 
     /// Whether it has every output of some that a kind gives in any case.
     fn has(&self, kind: &Kind, outputs: Outputs) -> bool {
-        let given = |port: &Port| !port.required || self.wires().is_some_and(|w| w.get(port.name).is_some());
+        let given = |port: &Port| !port.required || self.wires().is_some_and(|w| w.get(&port.name).is_some());
         matches!(self, Self::Summary(_)) || outputs.ports(kind).all(given)
     }
 
     /// Whether it has every output that another has.
     fn covers(&self, other: &Self) -> bool {
-        let ports = |given: &Self| -> BTreeSet<&str> {
-            given.wires().into_iter().flat_map(Wires::iter).map(|(port, _)| port).collect()
-        };
-        ports(self).is_superset(&ports(other))
+        let ports =
+            |given| Self::wires(given).into_iter().flat_map(Wires::iter).map(|(port, _)| port.as_str());
+        let own: BTreeSet<&str> = ports(self).collect();
+        ports(other).all(|port| own.contains(port))
     }
 
     /// Itself with some of its outputs only.
@@ -59,7 +59,7 @@ impl Given {
         match self {
             Self::Wires(wires) => {
                 let read = wires.iter().filter(|(port, _)| outputs.has(kind, port));
-                Self::Wires(read.map(|(port, value)| (port, value.clone())).collect())
+                Self::Wires(read.map(|(port, value)| (port.clone(), value.clone())).collect())
             }
             summary @ Self::Summary(_) => summary,
         }

@@ -41,19 +41,19 @@ impl<'a> Foretold<'a> {
     /// The value at an input of a step, where it is known.
     pub(super) fn input(&self, step: &Step, port: &str) -> Option<Value> {
         let input = step.input(port)?;
-        self.steps[input.step].as_ref()?.get(input.from).cloned()
+        self.steps[input.step].as_ref()?.get(&input.from).cloned()
     }
 
     /// What a quick step gives; nothing where an input is not known, or it fails, which its run will say.
     fn run(&self, step: &Step) -> Option<Wires> {
-        if !step.kind.meta.quick || !step.files.is_empty() {
+        if !step.kind.quick || !step.files.is_empty() {
             return None;
         }
-        let inputs = step.inputs.iter().map(|i| Some((i.port, self.input(step, i.port)?)));
+        let inputs = step.inputs.iter().map(|i| Some((i.port.clone(), self.input(step, &i.port)?)));
         let wires: Wires = inputs.collect::<Option<_>>()?;
         let cancel = Cancel::default();
         let cx = Context {
-            reads: step.kind.meta.reads,
+            reads: step.kind.reads,
             ..Context::bare(Grid::NOWHERE, &self.program.terrain, &cancel)
         };
         catch_unwind(AssertUnwindSafe(|| step.node.run(&cx, wires))).ok()?.ok()
@@ -62,5 +62,5 @@ impl<'a> Foretold<'a> {
 
 /// Whether a role is that of a value the task itself works on.
 pub(super) fn is_input(role: &Role) -> bool {
-    matches!(role, Role::Input { .. })
+    matches!(role, Role::Input(_))
 }

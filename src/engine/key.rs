@@ -71,7 +71,7 @@ pub(super) struct Parts<'a> {
     pub parameters: &'a [u8; 32],
     pub terrain: &'a Terrain,
     /// Port, key of the source node, port of the source.
-    pub inputs: &'a [(&'static str, Key, &'static str)],
+    pub inputs: &'a [(&'a str, Key, &'a str)],
     /// What it asked for, and the hash of what was found.
     pub files: &'a [(FileRequest, Option<[u8; 32]>)],
 }
@@ -82,7 +82,7 @@ impl Parts<'_> {
         let Parts { kind, node, parameters, terrain, inputs, files } = self;
         let mut h = Hasher::new("node");
         h.part(kind.id.as_bytes());
-        h.integer(i64::from(kind.meta.version));
+        h.integer(i64::from(kind.version));
         h.part(*parameters);
         for (port, key, from) in *inputs {
             h.part(port.as_bytes());
@@ -97,7 +97,7 @@ impl Parts<'_> {
             h.part(last_name(&request.name).as_bytes());
             h.part(content.as_ref().map_or(&[][..], |hash| &hash[..]));
         }
-        let (reads, reach) = (kind.meta.reads, node.reach());
+        let (reads, reach) = (kind.reads, node.reach());
         if reads.has(Reads::SEED) {
             h.part(b"seed");
             h.integer(i64::from(terrain.seed));
@@ -116,7 +116,7 @@ impl Parts<'_> {
                 h.number(geo.north);
             }
         }
-        let base_fields = || kind.inputs().any(|p| p.wire.is_raster());
+        let base_fields = || kind.inputs.iter().any(|p| p.wire.is_raster());
         let whole = match reach {
             Reach::Global => true,
             Reach::Gridless => base_fields(),

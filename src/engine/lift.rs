@@ -1,6 +1,7 @@
 //! Carrying results of the base grid to other grids (law 3).
 
 use crate::kit::spline::{Spline, Tap};
+use crate::name::Name;
 use crate::node::{Context, Error, Result};
 use crate::value::{Field, Grid, Quantity, Raster, Sample, Value};
 
@@ -21,7 +22,10 @@ pub(super) fn lift(cx: &Context<'_>, base: &Value) -> Result<Value> {
 /// Where no base sample around a point changed, the fine field stays, bit for bit.
 pub(super) fn carry(cx: &Context<'_>, fine: &Value, before: &Value, after: &Value) -> Result<Value> {
     let (Value::Field(fine), Value::Field(before), Value::Field(after)) = (fine, before, after) else {
-        return Err(Error::Output { port: "", message: "only fields carry a change to finer grids".into() });
+        return Err(Error::Output {
+            port: Name::default(),
+            message: "only fields carry a change to finer grids".into(),
+        });
     };
     let base = after.grid();
     if base.contains(&cx.grid) {

@@ -1,5 +1,6 @@
 //! Mixing a result with its input by a mask, the same for every kind.
 
+use crate::name::Name;
 use crate::node::{Context, Error, Result};
 use crate::ports::Wires;
 use crate::value::{Field, Raster, Sample, Value};
@@ -7,7 +8,7 @@ use crate::value::{Field, Raster, Sample, Value};
 /// Replaces each mixed output by `input + mask · (output − input)`; 0 gives the input and 1 the output, bit for bit.
 pub(super) fn mix(
     cx: &Context<'_>,
-    pairs: &'static [(&'static str, &'static str)],
+    pairs: &[(Name, Name)],
     inputs: &Wires,
     mask: &Field,
     outputs: &mut Wires,
@@ -20,10 +21,10 @@ pub(super) fn mix(
             (Value::Colors(a), Value::Colors(b)) => Value::Colors(between(cx, a, b, mask)?),
             _ => {
                 let message = format!("cannot be mixed with input `{input}`: they are of different types");
-                return Err(Error::Output { port: output, message });
+                return Err(Error::Output { port: output.clone(), message });
             }
         };
-        outputs.put(output, mixed);
+        outputs.put(output.clone(), mixed);
     }
     Ok(())
 }

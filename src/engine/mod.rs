@@ -42,6 +42,7 @@ use program::Program;
 use sources::Sources;
 
 use crate::graph::{Graph, NodeId, Source};
+use crate::name::Name;
 use crate::node::{Cancel, Error, SourceFile};
 use crate::source::SourceError;
 use crate::value::{Grid, Value};
@@ -105,14 +106,15 @@ pub struct Want {
     /// The node.
     pub node: NodeId,
     /// Its output.
-    pub port: &'static str,
+    pub port: Name,
     /// The grid.
     pub grid: Grid,
 }
 
 impl Want {
-    fn source(&self) -> Source {
-        Source { node: self.node, port: self.port }
+    /// The output that is wanted.
+    pub fn source(&self) -> Source {
+        Source { node: self.node, port: self.port.clone() }
     }
 }
 
@@ -207,7 +209,7 @@ impl Engine {
         let nodes: Vec<NodeId> = passed.iter().flatten().map(|s| s.node).collect();
         let program = Arc::new(Program::new(graph, &nodes, sources, cancel).ok_or(EngineError::Cancelled)?);
         let find = |(want, passed): (&Want, &Option<Source>)| {
-            let step = passed.and_then(|s| Some((program.find(s.node)?, s.port, want.grid)));
+            let step = passed.as_ref().and_then(|s| Some((program.find(s.node)?, s.port.clone(), want.grid)));
             step.ok_or_else(|| Arc::new(Failure::Graph(absent(graph, want))))
         };
         let wants: Vec<_> = wants.iter().zip(&passed).map(find).collect();
@@ -438,8 +440,8 @@ fn absent(graph: &Graph, want: &Want) -> String {
 
 /// The wanted window of what a task gave.
 fn cut(source: Option<Source>, grid: &Grid, given: &Given) -> Result<Value, SharedFailure> {
-    let port = source.map_or("", |s| s.port);
-    let value = given.wires().and_then(|w| w.get(port));
+    let port = source.map(|s| s.port).unwrap_or_default();
+    let value = given.wires().and_then(|w| w.get(&port));
     let missing = || {
         let error = Error::Output { port, message: "was not given".into() };
         Arc::new(Failure::Engine(error.to_string()))

@@ -33,7 +33,7 @@ impl Outputs {
     }
 
     /// The ports, in the order of declaration.
-    pub(super) fn ports(self, kind: &Kind) -> impl Iterator<Item = &'static Port> {
+    pub(super) fn ports(self, kind: &Kind) -> impl Iterator<Item = &Port> {
         kind.outputs.iter().enumerate().filter(move |(i, _)| self.0 & bit(*i) != 0).map(|(_, p)| p)
     }
 }

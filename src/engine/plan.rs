@@ -14,8 +14,9 @@ use super::key::Key;
 use super::outputs::Outputs;
 use super::planner::Planner;
 use super::program::{Program, Step};
+use crate::name::Name;
 use crate::node::{Cancel, Cost, Reach, SECONDS_PER_BYTE, SourceFile};
-use crate::value::Grid;
+use crate::value::{Grid, Quantity};
 
 /// What a task does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -45,21 +46,21 @@ impl Stage {
     }
 }
 
-/// What a dependency is for.
+/// What a dependency is for; an input by its place among those of the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     /// An input of the kind.
-    Input { port: &'static str, from: &'static str },
+    Input(usize),
     /// An input of the kind on one of its further windows, in the order of their list.
-    View { port: &'static str, from: &'static str },
+    View(usize),
     /// The statistic of the whole.
     Summary,
     /// A global node's own result on the base grid.
     Base,
     /// An input of a global node on the base grid: what its change is measured against.
-    Before { port: &'static str, from: &'static str },
+    Before(usize),
     /// An input on the output grid itself: what the result is mixed with or carried onto.
-    Fine { port: &'static str, from: &'static str },
+    Fine(usize),
 }
 
 /// One piece of work.
@@ -113,6 +114,9 @@ impl Task {
     }
 }
 
+/// An output of a step on a grid.
+pub(super) type Target = (usize, Name, Grid);
+
 /// A value that is wanted: its task, or why it cannot be made.
 pub(super) type Wanted = Result<usize, SharedFailure>;
 
@@ -122,6 +126,8 @@ pub struct Plan {
     pub(super) program: Arc<Program>,
     pub(super) tasks: Vec<Task>,
     pub(super) wanted: Vec<Wanted>,
+    /// What the numbers of each wanted value mean.
+    quantities: Vec<Option<Quantity>>,
     pub(super) peak: Peak,
     /// Bytes decoded from files that stay for the next evaluation.
     shelf_bytes: u64,
@@ -133,7 +139,7 @@ pub struct PlannedTask {
     /// Name of the node.
     pub node: String,
     /// Its kind.
-    pub kind: &'static str,
+    pub kind: Name,
     /// What the task does.
     pub stage: Stage,
     /// The grid it runs on; none for a gridless node.
@@ -153,7 +159,7 @@ impl Plan {
     /// cancelled.
     pub(super) fn new(
         program: Arc<Program>,
-        wants: &[Result<(usize, &'static str, Grid), SharedFailure>],
+        wants: &[Result<Target, SharedFailure>],
         (store, stock): (&Store, Stock),
         lasting: bool,
         cancel: &Cancel,
@@ -161,7 +167,12 @@ impl Plan {
         let (mut tasks, wanted, cut_bytes) = Planner::new(&program, store, stock).plan(wants, cancel)?;
         let shelf_bytes = if lasting { account::mark_lasting(&mut tasks) } else { 0 };
         let peak = account::peak(&tasks, &wanted, shelf_bytes, cut_bytes);
-        Some(Self { program, tasks, wanted, peak, shelf_bytes })
+        let quantity = |want: &Result<Target, _>| {
+            let (step, from, _) = want.as_ref().ok()?;
+            program.steps[*step].as_ref().ok()?.quantity(from)
+        };
+        let quantities = wants.iter().map(quantity).collect();
+        Some(Self { program, tasks, wanted, quantities, peak, shelf_bytes })
     }
 
     /// Estimated peak of memory when run in order, in bytes; files count in the tasks that read them.
@@ -207,7 +218,7 @@ impl Plan {
         let guessed: BTreeSet<usize> = inputs.filter(|i| self.tasks[*i].guessed).collect();
         let want = |i: usize| {
             let task = &self.tasks[i];
-            let port = self.step(task).kind.outputs.first()?.name;
+            let port = self.step(task).kind.outputs.first()?.name.clone();
             Some(super::Want { node: self.program.node(task.step)?, port, grid: task.grid })
         };
         guessed.into_iter().filter_map(want).collect()
@@ -277,7 +288,7 @@ impl Plan {
             let step = self.step(t);
             PlannedTask {
                 node: step.name.clone(),
-                kind: step.kind.id,
+                kind: step.kind.id.clone(),
                 stage: t.stage,
                 grid: t.grid(),
                 effective_cell: effective[i],
@@ -296,6 +307,11 @@ impl Plan {
         Some(self.effective_cells()[task])
     }
 
+    /// What the numbers of a wanted value mean, known before anything runs; `None` where it has none or cannot be made.
+    pub fn quantity(&self, want: usize) -> Option<Quantity> {
+        self.quantities.get(want).copied().flatten()
+    }
+
     fn effective_cells(&self) -> Vec<f64> {
         let base = self.base_cell();
         let mut cells: Vec<f64> = Vec::with_capacity(self.tasks.len());
@@ -305,10 +321,9 @@ impl Plan {
                 Stage::Lift => base.max(task.grid.cell()),
                 Stage::Summary | Stage::Base | Stage::Run => task.grid.cell(),
             };
-            let inputs =
-                task.needs.iter().filter(|(role, _)| matches!(role, Role::Input { .. } | Role::Fine { .. }));
+            let inputs = task.needs.iter().filter(|(role, _)| matches!(role, Role::Input(_) | Role::Fine(_)));
             // A cached lift has no inputs to look at; its own rule covers it.
-            let carried = task.stage == Stage::Lift && !self.step(task).kind.meta.carries.is_empty();
+            let carried = task.stage == Stage::Lift && !self.step(task).kind.carries.is_empty();
             let widest = inputs.map(|(_, t)| cells[*t]).fold(own, f64::max);
             cells.push(if carried { widest.max(base) } else { widest });
         }

@@ -6,10 +6,10 @@ use super::error::SharedFailure;
 use super::foretell::Foretold;
 use super::key::Key;
 use super::outputs::Outputs;
-use super::plan::{Role, Stage, Task, Wanted};
+use super::plan::{Role, Stage, Target, Task, Wanted};
 use super::program::{Input, Program, Step};
 use crate::node::{Cancel, Reach};
-use crate::ports::Wires;
+use crate::ports::{MASK, Wires};
 use crate::value::{Grid, Terrain};
 
 /// A task before its dependencies have numbers.
@@ -27,7 +27,7 @@ struct Draft {
 #[derive(Clone, Copy)]
 enum Ask {
     /// An output that a step gives its consumers on a grid.
-    Result { step: usize, from: &'static str, grid: Grid },
+    Result { step: usize, read: Outputs, grid: Grid },
     /// Another stage of the same step.
     Own(Stage),
 }
@@ -61,12 +61,14 @@ impl<'a> Planner<'a> {
     /// of what was computed takes. Nothing when it is cancelled.
     pub(super) fn plan(
         mut self,
-        wants: &[Result<(usize, &'static str, Grid), SharedFailure>],
+        wants: &[Result<Target, SharedFailure>],
         cancel: &Cancel,
     ) -> Option<(Vec<Task>, Vec<Wanted>, u64)> {
         let program = self.program;
         for (step, from, grid) in wants.iter().flatten() {
-            self.ask(*step, from, *grid);
+            if let Ok(kind) = program.steps[*step].as_ref().map(|s| &s.kind) {
+                self.ask(*step, Outputs::one(kind, from), *grid);
+            }
         }
         for step in (0..program.steps.len()).rev() {
             if cancel.is_cancelled() {
@@ -76,11 +78,11 @@ impl<'a> Planner<'a> {
         }
         let (tasks, results) = self.number(cancel)?;
         let mut cut_bytes = 0;
-        let mut find = |(step, from, grid): (usize, &str, Grid)| match &program.steps[step] {
+        let mut find = |(step, from, grid): Target| match &program.steps[step] {
             Ok(s) => {
                 let grid = program.place(step, grid);
                 let task = results.find(step, &grid);
-                let port = s.kind.output(from);
+                let port = s.kind.output(&from);
                 if tasks[task].grid != grid
                     && let Some(port) = port
                 {
@@ -94,9 +96,8 @@ impl<'a> Planner<'a> {
         Some((tasks, wanted, cut_bytes))
     }
 
-    fn ask(&mut self, step: usize, from: &str, grid: Grid) {
-        let Ok(kind) = self.program.steps[step].as_ref().map(|s| s.kind) else { return };
-        let (grid, read) = (self.program.place(step, grid), Outputs::one(kind, from));
+    fn ask(&mut self, step: usize, read: Outputs, grid: Grid) {
+        let grid = self.program.place(step, grid);
         let windows = &mut self.windows[step];
         match windows.iter_mut().find(|w| w.grid.lattice == grid.lattice) {
             Some(window) => {
@@ -141,8 +142,8 @@ impl<'a> Planner<'a> {
         }
         let asked: Vec<_> = self.drafts[first..].iter().flat_map(|d| d.asks.clone()).collect();
         for (_, ask) in asked {
-            if let Ask::Result { step, from, grid } = ask {
-                self.ask(step, from, grid);
+            if let Ask::Result { step, read, grid } = ask {
+                self.ask(step, read, grid);
             }
         }
     }
@@ -150,12 +151,12 @@ impl<'a> Planner<'a> {
     /// The key of a result, and where the store has it. What has no key yet is taken for not there.
     fn found(&self, step: &Step, stage: Stage, grid: &Grid, read: Outputs) -> (Option<Key>, Option<Found>) {
         let key = step.key.map(|key| key.on(&named(step, stage, read), &grid.lattice));
-        (key, key.and_then(|key| self.store.find(&key, grid, (step.kind, read), self.stock)))
+        (key, key.and_then(|key| self.store.find(&key, grid, (&step.kind, read), self.stock)))
     }
 
-    fn input_asks(step: &Step, window: impl Fn(&'static str) -> Grid) -> Vec<(Role, Ask)> {
-        let own = step.inputs.iter().filter(|i| is_own(step, i));
-        own.map(|i| (Role::Input { port: i.port, from: i.from }, asked(i, window(i.port)))).collect()
+    fn input_asks(step: &Step, window: impl Fn(&str) -> Grid) -> Vec<(Role, Ask)> {
+        let own = step.inputs.iter().enumerate().filter(|(_, input)| is_own(step, input));
+        own.map(|(i, input)| (Role::Input(i), asked(input, window(&input.port)))).collect()
     }
 
     fn run_asks(&self, step: &Step, grid: &Grid) -> Vec<(Role, Ask)> {
@@ -166,17 +167,16 @@ impl<'a> Planner<'a> {
         if step.node.needs_summary() {
             asks.push((Role::Summary, Ask::Own(Stage::Summary)));
         }
-        Self::mix_asks(step, grid, Outputs::all(step.kind), &mut asks);
+        Self::mix_asks(step, grid, Outputs::all(&step.kind), &mut asks);
         asks
     }
 
     /// What an input is read on besides its footprint, each window for itself.
     fn view_asks(step: &Step, grid: &Grid, terrain: &Terrain) -> Vec<(Role, Ask)> {
         let mut asks = Vec::new();
-        for input in step.inputs.iter().filter(|i| is_own(step, i)) {
-            let role = Role::View { port: input.port, from: input.from };
-            let windows = step.node.views(input.port, grid, terrain).into_iter();
-            asks.extend(windows.map(|window| (role, asked(input, clip(&window, terrain)))));
+        for (i, input) in step.inputs.iter().enumerate().filter(|(_, input)| is_own(step, input)) {
+            let windows = step.node.views(&input.port, grid, terrain).into_iter();
+            asks.extend(windows.map(|window| (Role::View(i), asked(input, clip(&window, terrain)))));
         }
         asks
     }
@@ -184,12 +184,10 @@ impl<'a> Planner<'a> {
     fn lift_asks(&self, step: &Step, grid: &Grid, read: Outputs) -> Vec<(Role, Ask)> {
         let mut asks = vec![(Role::Base, Ask::Own(Stage::Base))];
         if !self.base.contains(grid) {
-            let carries = step.kind.meta.carries.iter().filter(|(output, _)| read.has(step.kind, output));
-            for input in carries.filter_map(|(_, input)| step.input(input)) {
-                let before = Role::Before { port: input.port, from: input.from };
-                asks.push((before, asked(&input, self.base)));
-                let fine = Role::Fine { port: input.port, from: input.from };
-                asks.push((fine, asked(&input, *grid)));
+            let carries = step.kind.carries.iter().filter(|(output, _)| read.has(&step.kind, output));
+            for i in carries.filter_map(|(_, input)| step.index(input)) {
+                asks.push((Role::Before(i), asked(&step.inputs[i], self.base)));
+                asks.push((Role::Fine(i), asked(&step.inputs[i], *grid)));
             }
         }
         Self::mix_asks(step, grid, read, &mut asks);
@@ -197,16 +195,12 @@ impl<'a> Planner<'a> {
     }
 
     fn mix_asks(step: &Step, grid: &Grid, read: Outputs, asks: &mut Vec<(Role, Ask)>) {
-        let mixes = step.kind.meta.mixes.iter().filter(|(output, _)| read.has(step.kind, output));
-        let mixed: Vec<Input> = mixes.filter_map(|(_, input)| step.input(input)).collect();
-        let Some(mask) = step.input(crate::ports::MASK.name).filter(|_| !step.kind.meta.mixes.is_empty())
-        else {
-            return;
-        };
-        for input in mixed.into_iter().chain([mask]) {
-            let role = Role::Fine { port: input.port, from: input.from };
+        let mixes = step.kind.mixes.iter().filter(|(output, _)| read.has(&step.kind, output));
+        let Some(mask) = step.index(&MASK.name).filter(|_| !step.kind.mixes.is_empty()) else { return };
+        for i in mixes.filter_map(|(_, input)| step.index(input)).chain([mask]) {
+            let role = Role::Fine(i);
             if !asks.iter().any(|(r, _)| *r == role) {
-                asks.push((role, asked(&input, *grid)));
+                asks.push((role, asked(&step.inputs[i], *grid)));
             }
         }
     }
@@ -227,14 +221,14 @@ impl<'a> Planner<'a> {
             let mut cut_bytes = 0;
             let needs = asks.into_iter().map(|(role, ask)| {
                 let task = match ask {
-                    Ask::Result { step, from, grid } => {
+                    Ask::Result { step, read, grid } => {
                         let grid = program.place(step, grid);
                         let task = results.find(step, &grid);
-                        let port = program.steps[step].as_ref().ok().and_then(|s| s.kind.output(from));
                         if tasks[task].grid != grid
-                            && let Some(port) = port
+                            && let Ok(source) = &program.steps[step]
                         {
-                            cut_bytes += port.wire.sample_bytes() * grid.len() as u64;
+                            let sample: u64 = read.ports(&source.kind).map(|p| p.wire.sample_bytes()).sum();
+                            cut_bytes += sample * grid.len() as u64;
                         }
                         task
                     }
@@ -272,20 +266,20 @@ impl<'a> Planner<'a> {
 
 /// Whether an input is the kind's own, rather than the mask by which the engine mixes.
 fn is_own(step: &Step, input: &Input) -> bool {
-    step.kind.meta.mixes.is_empty() || input.port != crate::ports::MASK.name
+    step.kind.mixes.is_empty() || input.port != MASK.name
 }
 
 /// What an input asks for on a grid.
 fn asked(input: &Input, grid: Grid) -> Ask {
-    Ask::Result { step: input.step, from: input.from, grid }
+    Ask::Result { step: input.step, read: input.read, grid }
 }
 
 /// The name of a stage in keys. A lift makes what is read and nothing else, so that its key says what.
 fn named(step: &Step, stage: Stage, read: Outputs) -> String {
-    if stage != Stage::Lift || read == Outputs::all(step.kind) {
+    if stage != Stage::Lift || read == Outputs::all(&step.kind) {
         return stage.name().to_owned();
     }
-    let ports: Vec<&str> = read.ports(step.kind).map(|p| p.name).collect();
+    let ports: Vec<&str> = read.ports(&step.kind).map(|p| p.name.as_str()).collect();
     format!("{} of {}", stage.name(), ports.join(" "))
 }
 

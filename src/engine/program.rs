@@ -5,10 +5,12 @@ use std::sync::{Arc, OnceLock};
 
 use super::error::{Failure, SharedFailure};
 use super::key::{Key, Parts};
+use super::outputs::Outputs;
 use super::sources::Sources;
 use crate::graph::{Graph, NodeId, Place, Problem};
+use crate::name::Name;
 use crate::node::{AnyNode, Cancel, Cost, Error, FileRequest, Kind, Reach, SourceFile};
-use crate::value::{Grid, Terrain};
+use crate::value::{Grid, Quantity, Terrain};
 
 /// The parsed part of a graph that some wanted nodes need.
 #[derive(Debug)]
@@ -25,22 +27,26 @@ pub(super) struct Program {
 #[derive(Debug)]
 pub(super) struct Step {
     pub name: String,
-    pub kind: &'static Kind,
+    pub kind: Arc<Kind>,
     pub node: Arc<dyn AnyNode>,
     pub reach: Reach,
     pub inputs: Vec<Input>,
     pub files: Vec<Arc<SourceFile>>,
+    /// What the numbers of each output mean.
+    quantities: Vec<Option<Quantity>>,
     /// None while the content of a file upstream is not known.
     pub key: Option<Key>,
     reading: OnceLock<Cost>,
 }
 
 /// A connected input that matters to the result.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Input {
-    pub port: &'static str,
+    pub port: Name,
+    /// The step it reads, and which of its outputs.
     pub step: usize,
-    pub from: &'static str,
+    pub from: Name,
+    pub read: Outputs,
 }
 
 impl Step {
@@ -59,8 +65,19 @@ impl Step {
         self.files.iter().filter(|f| f.known_hash().is_none())
     }
 
-    pub(super) fn input(&self, port: &str) -> Option<Input> {
-        self.inputs.iter().copied().find(|i| i.port == port)
+    /// The input of a name, by its place among the inputs.
+    pub(super) fn index(&self, port: &str) -> Option<usize> {
+        self.inputs.iter().position(|i| i.port == port)
+    }
+
+    pub(super) fn input(&self, port: &str) -> Option<&Input> {
+        self.index(port).map(|i| &self.inputs[i])
+    }
+
+    /// What the numbers of an output mean; `None` where it has none.
+    pub(super) fn quantity(&self, output: &str) -> Option<Quantity> {
+        let i = self.kind.outputs.iter().position(|p| p.name == output)?;
+        self.quantities[i]
     }
 }
 
@@ -113,8 +130,9 @@ impl Program {
         let node = graph_node.parse().map_err(wrong)?;
         let kind = graph_node
             .kind()
+            .cloned()
             .ok_or_else(|| Arc::new(Failure::Graph(format!("node `{name}` is of an unknown kind"))))?;
-        let inputs = self.inputs(graph, id, kind, &*node).map_err(|e| match e {
+        let inputs = self.inputs(graph, id, &kind, &*node).map_err(|e| match e {
             InputFault::Here(error) => wrong(error),
             InputFault::Upstream(shared) => shared,
         })?;
@@ -122,7 +140,7 @@ impl Program {
         let nothing_asked = requests.is_empty();
         let found = self.sources.find(&requests).map_err(wrong)?;
         let parameters = graph_node.digest().map_err(wrong)?;
-        let key = self.key((kind, &*node, &parameters), &inputs, requests, &found).map_err(wrong)?;
+        let key = self.key((&kind, &*node, &parameters), &inputs, requests, &found).map_err(wrong)?;
         let (reach, files) = (node.reach(), found.into_iter().flatten().collect::<Vec<_>>());
         let reading = OnceLock::new();
         // What is wrong with a header shows before anybody goes through the content to know it, and so does a file that is
@@ -131,7 +149,16 @@ impl Program {
         if none || files.iter().any(|f: &Arc<SourceFile>| f.known_hash().is_none()) {
             let _ = reading.set(node.reading(&files).map_err(wrong)?);
         }
-        Ok(Step { name, kind, node, reach, inputs, files, key, reading })
+        let quantities = self.quantities(&kind, &*node, &inputs);
+        Ok(Step { name, kind, node, reach, inputs, files, quantities, key, reading })
+    }
+
+    fn quantities(&self, kind: &Kind, node: &dyn AnyNode, inputs: &[Input]) -> Vec<Option<Quantity>> {
+        let read = |port: &str| {
+            let input = inputs.iter().find(|i| i.port == port)?;
+            self.steps[input.step].as_ref().ok()?.quantity(&input.from)
+        };
+        kind.outputs.iter().map(|p| kind.quantity(Some(node), &p.name, &read)).collect()
     }
 
     /// The key of a node; none while the content of a file is not known.
@@ -154,7 +181,8 @@ impl Program {
             files.push((request, content));
         }
         let key_of = |i: &Input| self.steps[i.step].as_ref().ok().and_then(|s| s.key);
-        let keyed: Option<Vec<_>> = inputs.iter().map(|i| Some((i.port, key_of(i)?, i.from))).collect();
+        let keyed: Option<Vec<_>> =
+            inputs.iter().map(|i| Some((i.port.as_str(), key_of(i)?, i.from.as_str()))).collect();
         let terrain = &self.terrain;
         Ok(keyed
             .map(|inputs| Parts { kind, node, parameters, terrain, inputs: &inputs, files: &files }.key()))
@@ -168,28 +196,31 @@ impl Program {
         node: &dyn AnyNode,
     ) -> Result<Vec<Input>, InputFault> {
         let mut inputs = Vec::new();
-        for port in kind.inputs().filter(|p| node.uses(p.name)) {
-            let Some(source) = graph.source(id, port.name) else {
-                if graph.node(id).unresolved().any(|(p, _)| p == port.name) {
+        for port in kind.inputs.iter().filter(|p| node.uses(&p.name)) {
+            let Some(source) = graph.source(id, &port.name) else {
+                if graph.node(id).unresolved().any(|(p, _)| port.name == p) {
                     return Err(InputFault::Upstream(Arc::new(Failure::Graph(loose_wire(
-                        graph, id, port.name,
+                        graph, id, &port.name,
                     )))));
                 }
                 if port.required {
-                    return Err(InputFault::Here(Error::Missing { port: port.name }));
+                    return Err(InputFault::Here(Error::Missing { port: port.name.clone() }));
                 }
                 continue;
             };
             let Some(source) = graph.passed(source) else {
                 if port.required {
-                    return Err(InputFault::Here(Error::Missing { port: port.name }));
+                    return Err(InputFault::Here(Error::Missing { port: port.name.clone() }));
                 }
                 continue;
             };
             let step = self.index.get(&source.node).copied();
-            let step = step.ok_or(InputFault::Here(Error::Missing { port: port.name }))?;
+            let step = step.ok_or(InputFault::Here(Error::Missing { port: port.name.clone() }))?;
             match &self.steps[step] {
-                Ok(_) => inputs.push(Input { port: port.name, step, from: source.port }),
+                Ok(read) => {
+                    let read = Outputs::one(&read.kind, &source.port);
+                    inputs.push(Input { port: port.name.clone(), step, from: source.port, read });
+                }
                 Err(shared) => return Err(InputFault::Upstream(shared.clone())),
             }
         }
@@ -247,7 +278,7 @@ fn upstream(graph: &Graph, wanted: &[NodeId]) -> (Vec<NodeId>, BTreeSet<NodeId>)
 fn sources(graph: &Graph, id: NodeId) -> Vec<NodeId> {
     let Some(kind) = graph.node(id).kind() else { return Vec::new() };
     let source = |port: &str| Some(graph.passed(graph.source(id, port)?)?.node);
-    let mut nodes: Vec<_> = kind.inputs().filter_map(|p| source(p.name)).collect();
+    let mut nodes: Vec<_> = kind.inputs.iter().filter_map(|p| source(&p.name)).collect();
     nodes.reverse();
     nodes
 }

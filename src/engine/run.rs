@@ -18,10 +18,12 @@ use super::cache::{Found, Given, Store, Warnings};
 use super::error::{Failure, SharedFailure};
 use super::outputs::Outputs;
 use super::plan::{Plan, Role, Stage, Task};
+use super::program::{Input, Step};
 use super::{Keep, lift, mix};
-use crate::node::{AnyNode, Cancel, Context, Error, Kind, Result};
+use crate::name::Name;
+use crate::node::{Cancel, Context, Error, Kind, Result};
 use crate::ports::{MASK, Wires};
-use crate::value::{Grid, Value};
+use crate::value::{Grid, Quantity, Value};
 use crate::work::Work;
 
 /// What happens while an evaluation runs; called from several threads.
@@ -60,7 +62,7 @@ pub struct TaskReport {
     /// Name of the node.
     pub node: String,
     /// Its kind.
-    pub kind: &'static str,
+    pub kind: Name,
     /// What the task did.
     pub stage: Stage,
     /// The grid it ran on; none for a gridless node.
@@ -284,8 +286,8 @@ impl Runner<'_> {
                     warnings = said;
                     Ok(Arc::new(given))
                 }
-                (Some(Found::Disk(path)), _) => match self.load(path, task, step.kind) {
-                    Ok(given) => Ok(self.kept(task, step.kind, given, &warnings)),
+                (Some(Found::Disk(path)), _) => match self.load(path, task, &step.kind) {
+                    Ok(given) => Ok(self.kept(task, &step.kind, given, &warnings)),
                     Err(why) => {
                         lost = true;
                         Err(Arc::new(Failure::Cache(format!("{why}: {}", path.display()))))
@@ -300,7 +302,7 @@ impl Runner<'_> {
         self.observer.finished(i, seconds);
         let report = TaskReport {
             node: step.name.clone(),
-            kind: step.kind.id,
+            kind: step.kind.id.clone(),
             stage: task.stage,
             grid: task.grid(),
             cached: task.found.as_ref().map(Found::place),
@@ -334,7 +336,7 @@ impl Runner<'_> {
             (Role::Summary, Given::Summary(s)) => Some(s),
             _ => None,
         });
-        let views = views(&needs)?;
+        let views = views(step, &needs)?;
         // Progress arrives from many threads; only steps of a hundredth go on.
         let last = AtomicU64::new(0);
         let progress = |share: f32| {
@@ -350,14 +352,14 @@ impl Runner<'_> {
         };
         let cx = Context {
             grid: task.grid,
-            reads: step.kind.meta.reads,
+            reads: step.kind.reads,
             world: &self.plan.program.terrain,
             whole: summary,
             views: &views,
             files: &step.files,
             work: Work::new(self.cancel).telling(&progress).warning(&warn),
         };
-        let work = || stage(&cx, task, &*step.node, step.kind, &needs);
+        let work = || stage(&cx, task, step, &needs);
         let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)));
         *warnings = said.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect();
         let given = given?;
@@ -366,7 +368,7 @@ impl Runner<'_> {
         if let Some((disk, key)) = disk.zip(task.key) {
             disk.put(&key, &task.grid, &given);
         }
-        Ok(self.kept(task, step.kind, given, warnings))
+        Ok(self.kept(task, &step.kind, given, warnings))
     }
 
     /// What of a result goes on to its readers; the store has its share.
@@ -402,74 +404,76 @@ fn inputs(needs: &[Option<End>]) -> Result<Vec<Arc<Given>>, SharedFailure> {
 
 type Needs<'a> = [(Role, &'a Arc<Given>)];
 
-fn stage(
-    cx: &Context<'_>,
-    task: &Task,
-    node: &dyn AnyNode,
-    kind: &'static Kind,
-    needs: &Needs<'_>,
-) -> Result<Given> {
+fn stage(cx: &Context<'_>, task: &Task, step: &Step, needs: &Needs<'_>) -> Result<Given> {
+    let (node, kind) = (&step.node, &*step.kind);
     let mut own = Wires::default();
     for (role, given) in needs {
-        if let (Role::Input { port, from }, Some(wires)) = (role, given.wires()) {
-            put(&mut own, port, wires.get(from))?;
+        if let (Role::Input(i), Some(wires)) = (role, given.wires()) {
+            put(&mut own, &step.inputs[*i], wires)?;
         }
     }
     let mut out = match task.stage {
         Stage::Summary => return node.summarize(cx, own).map(Given::Summary),
         Stage::Gridless | Stage::Base | Stage::Run => node.run(cx, own)?,
-        Stage::Lift => lifted(cx, kind, task.read, needs)?,
+        Stage::Lift => lifted(cx, step, task.read, needs)?,
     };
     let made = if task.stage == Stage::Lift { task.read } else { Outputs::all(kind) };
-    check(&task.grid, kind, made, &out)?;
-    if !matches!(task.stage, Stage::Gridless | Stage::Base) && !kind.meta.mixes.is_empty() {
-        let fine = fine_inputs(needs)?;
-        if let Some(Value::Field(mask)) = fine.get(MASK.name) {
-            mix::mix(cx, kind.meta.mixes, &fine, mask, &mut out)?;
+    check(&task.grid, step, made, &out)?;
+    if !matches!(task.stage, Stage::Gridless | Stage::Base) && !kind.mixes.is_empty() {
+        let fine = fine_inputs(step, needs)?;
+        if let Some(Value::Field(mask)) = fine.get(&MASK.name) {
+            mix::mix(cx, &kind.mixes, &fine, mask, &mut out)?;
         }
     }
     Ok(Given::Wires(out))
 }
 
-fn put(wires: &mut Wires, port: &'static str, value: Option<&Value>) -> Result<()> {
-    let value = value.ok_or(Error::Missing { port })?;
-    wires.put(port, value.clone());
+fn put(wires: &mut Wires, input: &Input, given: &Wires) -> Result<()> {
+    wires.put(input.port.clone(), read(input, given)?.clone());
     Ok(())
 }
 
+/// What an input reads of the values that its step gave.
+fn read<'a>(input: &Input, given: &'a Wires) -> Result<&'a Value> {
+    given.get(&input.from).ok_or_else(|| Error::Missing { port: input.port.clone() })
+}
+
 /// The inputs on their further windows.
-fn views(needs: &Needs<'_>) -> Result<Vec<(&'static str, Value)>> {
+fn views(step: &Step, needs: &Needs<'_>) -> Result<Vec<(Name, Value)>> {
     let mut views = Vec::new();
     for (role, given) in needs {
-        if let (Role::View { port, from }, Some(wires)) = (role, given.wires()) {
-            let value = wires.get(from).ok_or(Error::Missing { port })?;
-            views.push((*port, value.clone()));
+        if let (Role::View(i), Some(wires)) = (role, given.wires()) {
+            let input = &step.inputs[*i];
+            views.push((input.port.clone(), read(input, wires)?.clone()));
         }
     }
     Ok(views)
 }
 
-fn fine_inputs(needs: &Needs<'_>) -> Result<Wires> {
+fn fine_inputs(step: &Step, needs: &Needs<'_>) -> Result<Wires> {
     let mut fine = Wires::default();
     for (role, given) in needs {
-        if let (Role::Fine { port, from }, Some(wires)) = (role, given.wires()) {
-            put(&mut fine, port, wires.get(from))?;
+        if let (Role::Fine(i), Some(wires)) = (role, given.wires()) {
+            put(&mut fine, &step.inputs[*i], wires)?;
         }
     }
     Ok(fine)
 }
 
 /// The outputs of a global node that are read, on the grid of its consumer.
-fn lifted(cx: &Context<'_>, kind: &Kind, read: Outputs, needs: &Needs<'_>) -> Result<Wires> {
+fn lifted(cx: &Context<'_>, step: &Step, read: Outputs, needs: &Needs<'_>) -> Result<Wires> {
     let base = needs.iter().find_map(|(role, g)| if *role == Role::Base { g.wires() } else { None });
-    let base = base.ok_or(Error::Output { port: "", message: "was not computed on the base grid".into() })?;
-    let fine = fine_inputs(needs)?;
+    let base = base.ok_or_else(|| Error::Output {
+        port: Name::default(),
+        message: "was not computed on the base grid".into(),
+    })?;
+    let fine = fine_inputs(step, needs)?;
     let mut out = Wires::default();
-    for (port, after) in base.iter().filter(|(port, _)| read.has(kind, port)) {
-        let carried = kind.meta.carries.iter().find(|(output, _)| *output == port).map(|(_, input)| *input);
+    for (port, after) in base.iter().filter(|(port, _)| read.has(&step.kind, port)) {
+        let carried = step.kind.carries.iter().find(|(output, _)| output == port).map(|(_, input)| input);
         let before = carried.and_then(|input| {
             needs.iter().find_map(|(role, g)| match role {
-                Role::Before { port, from } if *port == input => g.wires()?.get(from),
+                Role::Before(i) if step.inputs[*i].port == *input => g.wires()?.get(&step.inputs[*i].from),
                 _ => None,
             })
         });
@@ -477,16 +481,16 @@ fn lifted(cx: &Context<'_>, kind: &Kind, read: Outputs, needs: &Needs<'_>) -> Re
             (Some(before), Some(fine)) => lift::carry(cx, fine, before, after)?,
             _ => lift::lift(cx, after)?,
         };
-        out.put(port, value);
+        out.put(port.clone(), value);
     }
     Ok(out)
 }
 
 /// Law 8: every output that was to be made is there, on its grid, of its type, and finite.
-fn check(grid: &Grid, kind: &'static Kind, made: Outputs, out: &Wires) -> Result<()> {
-    for port in made.ports(kind) {
-        let bad = |message: String| Err(Error::Output { port: port.name, message });
-        match out.get(port.name) {
+fn check(grid: &Grid, step: &Step, made: Outputs, out: &Wires) -> Result<()> {
+    for port in made.ports(&step.kind) {
+        let bad = |message: String| Err(Error::Output { port: port.name.clone(), message });
+        match out.get(&port.name) {
             None if port.required => return bad("is missing".into()),
             None => (),
             Some(value) if value.wire_type() != port.wire => {
@@ -495,9 +499,14 @@ fn check(grid: &Grid, kind: &'static Kind, made: Outputs, out: &Wires) -> Result
             Some(value) if value.grid().is_some_and(|g| g != grid) => {
                 return bad(format!("stands on {:?}, not on {grid:?}", value.grid()));
             }
+            Some(value) if value.quantity() != step.quantity(&port.name) => {
+                let named = |q: Option<Quantity>| q.map_or("nothing", Quantity::name);
+                let (got, said) = (named(value.quantity()), named(step.quantity(&port.name)));
+                return bad(format!("is {got}, and the kind says {said}"));
+            }
             Some(value) => {
                 if let Some((col, row)) = value.first_not_finite() {
-                    return Err(Error::NotFinite { port: port.name, col, row });
+                    return Err(Error::NotFinite { port: port.name.clone(), col, row });
                 }
             }
         }

@@ -4,7 +4,7 @@ use serde_json::Value as Json;
 
 use super::path::{self, Spot};
 use super::problem::{Hints, Place, Problem, listed};
-use super::{Graph, NodeId, json, terrain_params};
+use super::{Graph, GraphNode, KindRef, NodeId, json, terrain_params};
 use crate::params::Param;
 
 /// What has parameters.
@@ -168,9 +168,8 @@ impl Graph {
         let (set, params) = match bind.owner {
             Owner::Terrain => (&mut self.settings, terrain_params()),
             Owner::Node(id) => {
-                let node = &mut self.dag[id];
-                let Some(kind) = node.kind() else { return };
-                (&mut *node.set, kind.params())
+                let GraphNode { kind: KindRef::Known(kind), set, .. } = &mut self.dag[id] else { return };
+                (&mut **set, kind.params())
             }
         };
         let default = || params.iter().find(|p| p.name == *first).map_or(Json::Null, |p| p.default.clone());

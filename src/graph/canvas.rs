@@ -196,7 +196,7 @@ impl Graph {
     pub fn set_bypass(&mut self, id: NodeId, bypass: bool) -> Result<(), Problem> {
         self.live(id)?;
         let node = self.node(id);
-        let passes = node.kind().is_some_and(|k| k.outputs.iter().any(|o| k.bridge(o.name).is_some()));
+        let passes = node.kind().is_some_and(|k| k.outputs.iter().any(|o| k.bridge(&o.name).is_some()));
         if bypass && !passes {
             let message = format!("cannot be bypassed: `{}` changes no input", node.kind.id());
             return Err(Problem::error(Place::Node(node.name.clone()), message).of(id));

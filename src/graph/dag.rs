@@ -10,6 +10,7 @@ use petgraph::visit::EdgeRef as _;
 
 use super::parts::GraphNode;
 use super::wires::{Source, Wire};
+use crate::name::Name;
 
 /// A node of a graph. Copies of a graph, as a history keeps them, have the same ids; beyond that no two nodes of a
 /// process share one, so that an id that is kept anywhere finds its own node or none.
@@ -59,20 +60,20 @@ impl Dag {
     }
 
     /// The wires out of a node, each with the node that it leads to.
-    pub(super) fn wires_from(&self, id: NodeId) -> impl Iterator<Item = (NodeId, Wire)> + '_ {
+    pub(super) fn wires_from(&self, id: NodeId) -> impl Iterator<Item = (NodeId, &Wire)> + '_ {
         let edges = self.place(id).into_iter().flat_map(|place| self.graph.edges_directed(place, Outgoing));
-        edges.map(|e| (self.graph[e.target()].0, *e.weight()))
+        edges.map(|e| (self.graph[e.target()].0, e.weight()))
     }
 
     /// The source of the wire into an input.
     pub(super) fn source(&self, id: NodeId, port: &str) -> Option<Source> {
         let edge = self.edge_into(id, port)?;
         let (from, _) = self.graph.edge_endpoints(edge)?;
-        Some(Source { node: self.graph[from].0, port: self.graph[edge].from })
+        Some(Source { node: self.graph[from].0, port: self.graph[edge].from.clone() })
     }
 
     /// Puts a wire in beside those that are there; nothing happens where a node is missing.
-    pub(super) fn connect(&mut self, source: Source, id: NodeId, port: &'static str) {
+    pub(super) fn connect(&mut self, source: Source, id: NodeId, port: Name) {
         if let Some((from, to)) = self.place(source.node).zip(self.place(id)) {
             self.graph.add_edge(from, to, Wire { from: source.port, to: port });
         }

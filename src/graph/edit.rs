@@ -9,6 +9,7 @@ use super::problem::{Hints, Place, Problem, listed};
 use super::validate::{node_name_fault, output_name_fault};
 use super::{Graph, MAX_NAMED, MAX_NODES, NodeId, Source};
 use crate::kit::hash;
+use crate::name::Name;
 use crate::node::Kind;
 use crate::ports::Port;
 
@@ -39,7 +40,7 @@ impl Graph {
         self.versions.shift_remove(kind);
         let node = GraphNode {
             name: name.to_owned(),
-            kind: KindRef::Known(known),
+            kind: KindRef::Known(known.clone()),
             set: set.into(),
             at: [0.0; 2],
             backend: Backend::Auto,
@@ -91,26 +92,27 @@ impl Graph {
     pub fn remove_bridged(&mut self, id: NodeId) -> Result<GraphNode, Problem> {
         self.live(id)?;
         let name = self.node(id).name.clone();
-        let readers: Vec<_> = self.consumers(id).collect();
+        let readers = self.consumers(id).map(|(reader, to, from)| (reader, to.clone(), from.clone()));
+        let readers: Vec<_> = readers.collect();
         for (output, source) in self.bridges(id) {
-            let (old, new) = (format!("{name}.{output}"), self.source_text(source));
+            let (old, new) = (format!("{name}.{output}"), self.source_text(&source));
             for (_, reader) in self.outputs.iter_mut().filter(|(_, o)| o.from == old) {
                 reader.from.clone_from(&new);
             }
             for (reader, input, _) in readers.iter().filter(|(_, _, from)| *from == output) {
-                self.put_wire(source, *reader, input);
+                self.put_wire(source.clone(), *reader, input);
             }
         }
         self.remove(id)
     }
 
     /// For each output of a node that is a changed input, what that input reads.
-    fn bridges(&self, id: NodeId) -> Vec<(&'static str, Source)> {
-        let outputs = self.node(id).kind().map_or(&[][..], |kind| kind.outputs);
+    fn bridges(&self, id: NodeId) -> Vec<(Name, Source)> {
+        let outputs = self.node(id).kind().map_or(&[][..], |kind| &kind.outputs);
         let bridge = |port: &Port| {
-            let source = self.source(id, self.node(id).kind()?.bridge(port.name)?)?;
-            let fits = source.node != id && self.wire_type(source) == Some(port.wire);
-            fits.then_some((port.name, source))
+            let source = self.source(id, self.node(id).kind()?.bridge(&port.name)?)?;
+            let fits = source.node != id && self.wire_type(&source) == Some(port.wire);
+            fits.then_some((port.name.clone(), source))
         };
         outputs.iter().filter_map(bridge).collect()
     }
@@ -160,13 +162,13 @@ impl Graph {
     /// When a port is not there, the types differ, or a cycle would close; its nodes are named.
     pub fn connect(&mut self, from: NodeId, output: &str, to: NodeId, input: &str) -> Result<(), Problem> {
         let (source, input) = self.fitting(from, output, to, input)?;
-        if self.source(to, input) == Some(source) {
+        if self.source(to, &input).as_ref() == Some(&source) {
             return Ok(());
         }
         let node = &mut self.dag[to];
-        node.loose.shift_remove(input);
+        node.loose.shift_remove(input.as_str());
         node.extra.shift_remove("in");
-        self.put_wire(source, to, input);
+        self.put_wire(source, to, &input);
         self.settle();
         Ok(())
     }
@@ -185,11 +187,11 @@ impl Graph {
         output: &str,
         to: NodeId,
         input: &str,
-    ) -> Result<(Source, &'static str), Problem> {
+    ) -> Result<(Source, Name), Problem> {
         let out_port = self.port(from, output, Side::Output)?;
         let in_port = self.port(to, input, Side::Input)?;
-        let source = Source { node: from, port: out_port.name };
-        let (name, text) = (&self.node(to).name, self.source_text(source));
+        let source = Source { node: from, port: out_port.name.clone() };
+        let (name, text) = (&self.node(to).name, self.source_text(&source));
         let bad = |message| {
             Err(Problem::error(Place::Input { node: name.clone(), port: input.to_owned() }, message).of(to))
         };
@@ -207,7 +209,7 @@ impl Graph {
             let path = self.path_text(&way, to);
             return bad(format!("cannot read `{text}`: that would close a cycle, {path}"));
         }
-        Ok((source, in_port.name))
+        Ok((source, in_port.name.clone()))
     }
 
     /// Takes the wire into an input away, also one that does not resolve. Nothing happens where there is none.
@@ -363,7 +365,7 @@ impl Graph {
         }
     }
 
-    fn port(&self, id: NodeId, port: &str, side: Side) -> Result<&'static Port, Problem> {
+    fn port(&self, id: NodeId, port: &str, side: Side) -> Result<&Port, Problem> {
         self.live(id)?;
         let node = self.node(id);
         let (name, port_name) = (node.name.clone(), port.to_owned());
@@ -379,7 +381,7 @@ impl Graph {
         if let Some(found) = ports.iter().find(|p| p.name == port) {
             return Ok(found);
         }
-        let names = || ports.iter().map(|p| p.name);
+        let names = || ports.iter().map(|p| p.name.as_str());
         let (all, hint) = (listed(names()), Hints::new().nearest(port, names()));
         Err(Problem::error(place, format!("`{}` has no such {what}; it has {all}{hint}", kind.id)))
     }
@@ -402,10 +404,10 @@ enum Side {
 }
 
 impl Side {
-    fn ports(self, kind: &'static Kind) -> Vec<&'static Port> {
+    fn ports(self, kind: &Kind) -> &[Port] {
         match self {
-            Self::Input => kind.inputs().collect(),
-            Self::Output => kind.outputs.iter().collect(),
+            Self::Input => &kind.inputs,
+            Self::Output => &kind.outputs,
         }
     }
 }

@@ -88,7 +88,7 @@ impl Graph {
                 let source = copies.get(&source.node).map(|&node| super::Source { node, ..source });
                 match source {
                     Some(source) => self.put_wire(source, copy, port),
-                    None => self.dag[copy].bends.retain(|b| b.input != port),
+                    None => self.dag[copy].bends.retain(|b| b.input != port.as_str()),
                 }
             }
         }

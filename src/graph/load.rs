@@ -3,6 +3,8 @@
 use std::io::Read as _;
 use std::path::Path;
 
+use std::sync::Arc;
+
 use serde_json::{Map, Value as Json};
 
 use super::canvas::Note;
@@ -199,7 +201,7 @@ impl Graph {
             Some(other) => return Err(bad(format!("must be the name of a kind, got {}", brief(&other)))),
             None => return Err(bad("is missing".to_owned())),
         };
-        let known = self.registry.find(&kind).filter(|k| self.version_of(k).is_ok());
+        let known = self.registry.find(&kind).filter(|k| self.version_of(k).is_ok()).cloned();
         let mut object = |key: &str| match written.get(key) {
             Some(Json::Object(_)) => match written.shift_remove(key) {
                 Some(Json::Object(map)) => map,
@@ -218,8 +220,8 @@ impl Graph {
     /// # Errors
     /// A sentence when it is none, or newer than the program's.
     pub(super) fn version_of(&self, kind: &Kind) -> Result<u32, String> {
-        let current = kind.meta.version;
-        let Some(written) = self.versions.get(kind.id) else { return Ok(current) };
+        let current = kind.version;
+        let Some(written) = self.versions.get(kind.id.as_str()) else { return Ok(current) };
         match written.as_u64() {
             Some(v) if (1..=u64::from(current)).contains(&v) => Ok(v as u32),
             Some(v) if v > u64::from(current) => Err(format!(
@@ -236,22 +238,22 @@ impl Graph {
 
     /// Brings parameters, and the exposed parameters that bind them, to the versions of this program.
     fn migrate_kinds(&mut self) {
-        let mut kinds: Vec<&'static Kind> = self.nodes().filter_map(|id| self.node(id).kind()).collect();
-        kinds.sort_unstable_by_key(|k| k.id);
-        kinds.dedup_by_key(|k| k.id);
+        let mut kinds: Vec<Arc<Kind>> = self.nodes().filter_map(|id| self.node(id).kind().cloned()).collect();
+        kinds.sort_unstable_by(|a, b| a.id.cmp(&b.id));
+        kinds.dedup_by(|a, b| a.id == b.id);
         let mut old: Vec<(&str, &[Migration])> = Vec::new();
-        for kind in kinds {
-            let version = self.version_of(kind).unwrap_or(kind.meta.version);
-            if self.versions.shift_remove(kind.id).is_none() && version > 1 {
+        for kind in &kinds {
+            let version = self.version_of(kind).unwrap_or(kind.version);
+            if self.versions.shift_remove(kind.id.as_str()).is_none() && version > 1 {
                 let message = format!(
                     "the file does not say under `kinds` which version of `{}` it means; it is read as version {version}",
                     kind.id
                 );
                 self.doubts.push(Problem::warning(Place::Graph, message));
             }
-            let steps = kind.meta.migrations.get(version as usize - 1..).unwrap_or_default();
+            let steps = kind.migrations.get(version as usize - 1..).unwrap_or_default();
             if !steps.is_empty() {
-                old.push((kind.id, steps));
+                old.push((kind.id.as_str(), steps));
             }
         }
         if old.is_empty() {

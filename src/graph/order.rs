@@ -48,6 +48,12 @@ impl Graph {
 
     /// Sorts some nodes, given in the order of the file; `Err` has those on cycles or below one.
     fn sorted(&self, nodes: Vec<NodeId>) -> Result<Vec<NodeId>, Vec<NodeId>> {
+        let (sorted, rest) = self.sorted_as_far(nodes);
+        if rest.is_empty() { Ok(sorted) } else { Err(rest) }
+    }
+
+    /// Sorts some nodes, given in the order of the file, as far as there is an order; the rest is on cycles or below one.
+    pub(super) fn sorted_as_far(&self, nodes: Vec<NodeId>) -> (Vec<NodeId>, Vec<NodeId>) {
         let place: HashMap<NodeId, usize> = nodes.iter().enumerate().map(|(i, &id)| (id, i)).collect();
         let sources =
             |&id: &NodeId| self.dag.neighbors(id, Incoming).filter(|s| place.contains_key(s)).count();
@@ -64,10 +70,8 @@ impl Graph {
                 }
             }
         }
-        if order.len() == nodes.len() {
-            return Ok(order);
-        }
-        Err(nodes.into_iter().zip(waits).filter(|(_, w)| *w > 0).map(|(id, _)| id).collect())
+        let rest = nodes.into_iter().zip(waits).filter(|(_, w)| *w > 0).map(|(id, _)| id).collect();
+        (order, rest)
     }
 
     /// One problem for each knot of nodes that read each other.

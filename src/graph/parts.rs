@@ -16,12 +16,13 @@ use super::set::Settings;
 use crate::files::{Format, Target};
 use crate::node::{self, AnyNode, Kind};
 use crate::params::{self, Param};
+use crate::value::Quantity;
 
 /// The kind of a node in a graph.
 #[derive(Clone, Debug)]
 pub enum KindRef {
     /// A kind of this program.
-    Known(&'static Kind),
+    Known(Arc<Kind>),
     /// A kind that this program does not have, or has in an older version only: the node is kept as it was written.
     Unknown(String),
 }
@@ -30,7 +31,7 @@ impl KindRef {
     /// The name in the file.
     pub fn id(&self) -> &str {
         match self {
-            Self::Known(kind) => kind.id,
+            Self::Known(kind) => &kind.id,
             Self::Unknown(id) => id,
         }
     }
@@ -74,8 +75,8 @@ pub struct GraphNode {
 
 impl GraphNode {
     /// Its kind, if this program has it.
-    pub fn kind(&self) -> Option<&'static Kind> {
-        match self.kind {
+    pub fn kind(&self) -> Option<&Arc<Kind>> {
+        match &self.kind {
             KindRef::Known(kind) => Some(kind),
             KindRef::Unknown(_) => None,
         }
@@ -97,7 +98,7 @@ impl GraphNode {
         self.set.digest(self.known()?)
     }
 
-    fn known(&self) -> node::Result<&'static Kind> {
+    fn known(&self) -> node::Result<&Arc<Kind>> {
         match &self.kind {
             KindRef::Known(kind) => Ok(kind),
             KindRef::Unknown(id) => Err(node::Error::Parameter {
@@ -114,7 +115,7 @@ impl GraphNode {
 
     /// The parameters that differ from their defaults, in the order of the kind, then those it does not know.
     pub(super) fn changed(&self) -> Map<String, Json> {
-        let params = self.kind().map_or(&[][..], Kind::params);
+        let params = self.kind().map_or(&[][..], |kind| kind.params());
         let differs = |p: &&Param| self.set.get(&p.name).is_some_and(|v| !super::json::same(v, &p.default));
         let known = params.iter().filter(differs).map(|p| (p.name.clone(), self.set[&p.name].clone()));
         let is_param = |name: &str| params.iter().any(|p| p.name == name);
@@ -153,6 +154,18 @@ pub struct Output {
     /// What the file says beyond that, kept as it was written.
     #[serde(skip)]
     pub extra: Map<String, Json>,
+}
+
+impl Output {
+    /// The format in which it is written: its own, or one that suits what its numbers mean.
+    pub fn format_for(&self, quantity: Quantity) -> Format {
+        self.format.unwrap_or(match (quantity, self.target) {
+            (Quantity::Elevation, Some(target)) => target.format(),
+            (Quantity::Color, _) => Format::Png8,
+            (Quantity::Mask, _) => Format::Png16,
+            _ => Format::Exr,
+        })
+    }
 }
 
 /// One exposed parameter: a name for parameters of nodes, or settings of the terrain, that share a value.

@@ -23,10 +23,10 @@ pub fn schema(registry: &Registry) -> Json {
     let terrain = part::<Settings>("terrain", &mut defs);
     let keys = part::<NodeKeys>("node", &mut defs);
     let rules: Vec<Json> = registry.iter().map(|kind| rule(kind, &mut defs)).collect();
-    let kinds: Vec<&str> = registry.iter().map(|k| k.id).collect();
+    let kinds: Vec<&str> = registry.iter().map(|k| k.id.as_str()).collect();
     let versions: Map<String, Json> = registry
         .iter()
-        .map(|k| (k.id.to_owned(), json!({"type": "integer", "minimum": 1, "maximum": k.meta.version})))
+        .map(|k| (k.id.to_string(), json!({"type": "integer", "minimum": 1, "maximum": k.version})))
         .collect();
     let mut node = json!({
         "type": "object",
@@ -75,14 +75,14 @@ fn source() -> Json {
 }
 
 /// What a node of a kind may set and read.
-fn rule(kind: &'static Kind, defs: &mut Map<String, Json>) -> Json {
+fn rule(kind: &Kind, defs: &mut Map<String, Json>) -> Json {
     let set = moved(kind.schema(), &format!("kind.{}", kind.id), defs);
-    let ports = kind.inputs().map(|p| {
+    let ports = kind.inputs.iter().map(|p| {
         let mut port = source();
-        port["description"] = p.doc.into();
-        (p.name.to_owned(), port)
+        port["description"] = p.doc.as_str().into();
+        (p.name.to_string(), port)
     });
-    let required: Vec<&str> = kind.inputs().filter(|p| p.required).map(|p| p.name).collect();
+    let required: Vec<&str> = kind.inputs.iter().filter(|p| p.required).map(|p| p.name.as_str()).collect();
     let mut then = json!({
         "properties": {
             "set": set,
@@ -97,7 +97,7 @@ fn rule(kind: &'static Kind, defs: &mut Map<String, Json>) -> Json {
     if !required.is_empty() {
         then["required"] = json!(["in"]);
     }
-    json!({ "if": { "properties": { "kind": { "const": kind.id } }, "required": ["kind"] }, "then": then })
+    json!({ "if": { "properties": { "kind": { "const": kind.id.as_str() } }, "required": ["kind"] }, "then": then })
 }
 
 fn output_schema(defs: &mut Map<String, Json>) -> Json {

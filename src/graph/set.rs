@@ -21,14 +21,14 @@ struct Kept {
 /// What a kind made of the parameters.
 #[derive(Clone, Debug)]
 struct Parsed {
-    kind: &'static Kind,
+    kind: Arc<Kind>,
     node: node::Result<Arc<dyn AnyNode>>,
     digest: OnceLock<[u8; 32]>,
 }
 
 impl Parsed {
-    fn of(kind: &'static Kind, written: &Map<String, Json>) -> Self {
-        Self { kind, node: kind.parse(written), digest: OnceLock::new() }
+    fn of(kind: &Arc<Kind>, written: &Map<String, Json>) -> Self {
+        Self { kind: kind.clone(), node: kind.parse(written), digest: OnceLock::new() }
     }
 }
 
@@ -37,7 +37,7 @@ impl Settings {
     ///
     /// # Errors
     /// Those of [`Kind::parse`].
-    pub(super) fn parse(&self, kind: &'static Kind) -> node::Result<Arc<dyn AnyNode>> {
+    pub(super) fn parse(&self, kind: &Arc<Kind>) -> node::Result<Arc<dyn AnyNode>> {
         self.with(kind, |parsed| parsed.node.clone())
     }
 
@@ -45,16 +45,16 @@ impl Settings {
     ///
     /// # Errors
     /// Those of [`Kind::parse`].
-    pub(super) fn digest(&self, kind: &'static Kind) -> node::Result<[u8; 32]> {
+    pub(super) fn digest(&self, kind: &Arc<Kind>) -> node::Result<[u8; 32]> {
         self.with(kind, |parsed| {
             let node = parsed.node.as_ref().map_err(Clone::clone)?;
             Ok(*parsed.digest.get_or_init(|| kind.digest(&**node)))
         })
     }
 
-    fn with<T>(&self, kind: &'static Kind, take: impl FnOnce(&Parsed) -> T) -> T {
+    fn with<T>(&self, kind: &Arc<Kind>, take: impl FnOnce(&Parsed) -> T) -> T {
         let parsed = self.0.parsed.get_or_init(|| Parsed::of(kind, &self.0.written));
-        if std::ptr::eq(parsed.kind, kind) {
+        if Arc::ptr_eq(&parsed.kind, kind) {
             take(parsed)
         } else {
             // Another kind asked first; a node has one kind, so that this is never so for long.

@@ -127,41 +127,41 @@ impl Graph {
                 "is of kind `{kind}`: graphs as nodes are not yet supported by this version; it is kept as it is"
             );
         }
-        let hint = hints.nearest(kind, self.registry.iter().map(|k| k.id));
+        let hint = hints.nearest(kind, self.registry.iter().map(|k| k.id.as_str()));
         format!("is of kind `{kind}`, which is not known, and kept as it is{hint}")
     }
 
-    fn input_problems(&self, id: NodeId, kind: &'static Kind, hints: &Hints) -> Vec<Problem> {
+    fn input_problems(&self, id: NodeId, kind: &Kind, hints: &Hints) -> Vec<Problem> {
         let node = self.node(id);
         let place = |port: &str| Place::Input { node: node.name.clone(), port: port.to_owned() };
         let parsed = node.parse().ok();
         let uses = |port: &str| parsed.as_ref().is_none_or(|n| n.uses(port));
         let mut found = Vec::new();
-        for port in kind.inputs() {
-            if let Some(written) = node.loose.get(port.name) {
+        for port in kind.inputs.iter() {
+            if let Some(written) = node.loose.get(port.name.as_str()) {
                 let want = port.wire.name();
                 let message = match written.as_str().map(|text| (text, self.resolve(text))) {
                     None => format!("must be written as `node.port`, got {}", brief(written)),
                     Some((text, Err(miss))) => self.explain(text, &miss, hints),
                     Some((text, Ok(source))) => {
-                        let got = self.wire_type(source).map_or("nothing", |w| w.name());
+                        let got = self.wire_type(&source).map_or("nothing", |w| w.name());
                         format!("takes {want}, but `{text}` gives {got}")
                     }
                 };
-                let problem = if uses(port.name) { Problem::error } else { Problem::warning };
-                found.push(problem(place(port.name), message));
-            } else if port.required && uses(port.name) {
-                match self.source(id, port.name) {
-                    None => found.push(Problem::error(place(port.name), "must be connected")),
-                    Some(source) if self.passed(source).is_none() => {
-                        found.push(Problem::error(place(port.name), self.nothing_passed(source)));
+                let problem = if uses(&port.name) { Problem::error } else { Problem::warning };
+                found.push(problem(place(&port.name), message));
+            } else if port.required && uses(&port.name) {
+                match self.source(id, &port.name) {
+                    None => found.push(Problem::error(place(&port.name), "must be connected")),
+                    Some(source) if self.passed(source.clone()).is_none() => {
+                        found.push(Problem::error(place(&port.name), self.nothing_passed(&source)));
                     }
                     Some(_) => (),
                 }
             }
         }
         for (name, _) in node.loose.iter().filter(|(name, _)| kind.input(name).is_none()) {
-            let names = || kind.inputs().map(|p| p.name);
+            let names = || kind.inputs.iter().map(|p| p.name.as_str());
             let (all, hint) = (listed(names()), hints.nearest(name, names()));
             let message = format!("`{}` has no such input; it has {all}{hint}", kind.id);
             found.push(Problem::error(place(name), message));
@@ -170,7 +170,7 @@ impl Graph {
     }
 
     /// That a value comes from nodes that are left out and have nothing to pass on.
-    pub(super) fn nothing_passed(&self, source: Source) -> String {
+    pub(super) fn nothing_passed(&self, source: &Source) -> String {
         format!("reads `{}`, which is bypassed and has nothing to pass on", self.source_text(source))
     }
 
@@ -211,14 +211,14 @@ impl Graph {
             match self.resolve(&output.from) {
                 Err(miss) => found.push(error(self.explain(&output.from, &miss, hints))),
                 Ok(source) => {
-                    let wire = self.wire_type(source).filter(|wire| !wire.is_raster());
+                    let wire = self.wire_type(&source).filter(|wire| !wire.is_raster());
                     let message = |wire: WireType| {
                         let (from, wire) = (&output.from, wire.name());
                         format!("`from` must be a field, vectors or colours, `{from}` is {wire}")
                     };
                     found.extend(wire.map(|wire| error(message(wire))));
-                    if self.passed(source).is_none() {
-                        found.push(error(self.nothing_passed(source)));
+                    if self.passed(source.clone()).is_none() {
+                        found.push(error(self.nothing_passed(&source)));
                     }
                 }
             }
@@ -237,9 +237,9 @@ impl Graph {
         let mut found = Vec::new();
         for id in self.nodes() {
             let node = self.node(id);
-            let random = |k: &&Kind| k.meta.reads.has(Reads::SEED) && k.param("seed").is_some();
+            let random = |k: &Kind| k.reads.has(Reads::SEED) && k.param("seed").is_some();
             let Some(kind) = node.kind().filter(|k| random(k)) else { continue };
-            match seen.entry((kind.id, Json::Object(node.changed()).to_string())) {
+            match seen.entry((kind.id.as_str(), Json::Object(node.changed()).to_string())) {
                 std::collections::hash_map::Entry::Vacant(slot) => _ = slot.insert(id),
                 std::collections::hash_map::Entry::Occupied(first) => {
                     let other = &self.node(*first.get()).name;

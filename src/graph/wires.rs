@@ -4,24 +4,25 @@ use serde_json::Value as Json;
 
 use super::problem::{Hints, Place, Problem, listed};
 use super::{Graph, KindRef, NodeId};
+use crate::name::Name;
 use crate::value::WireType;
 
 /// A wire between two nodes, on the edge of the graph.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Wire {
     /// The output it comes from.
-    pub(super) from: &'static str,
+    pub(super) from: Name,
     /// The input it goes to.
-    pub(super) to: &'static str,
+    pub(super) to: Name,
 }
 
 /// An output of a node: where a wire, or an output of the graph, comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Source {
     /// The node.
     pub node: NodeId,
     /// Its output.
-    pub port: &'static str,
+    pub port: Name,
 }
 
 /// Why a text `node.port` leads to no output.
@@ -47,21 +48,21 @@ impl Graph {
             if !node.bypass {
                 return Some(source);
             }
-            source = self.source(source.node, node.kind()?.bridge(source.port)?)?;
+            source = self.source(source.node, node.kind()?.bridge(&source.port)?)?;
         }
         None
     }
 
     /// All wires into a node that resolve, in the order of its kind's inputs.
-    pub fn inputs(&self, id: NodeId) -> impl Iterator<Item = (&'static str, Source)> + '_ {
+    pub fn inputs(&self, id: NodeId) -> impl Iterator<Item = (&Name, Source)> + '_ {
         let kind = self.get(id).and_then(|n| n.kind());
-        let ports = kind.into_iter().flat_map(|k| k.inputs());
-        ports.filter_map(move |port| Some((port.name, self.source(id, port.name)?)))
+        let ports = kind.into_iter().flat_map(|k| &k.inputs);
+        ports.filter_map(move |port| Some((&port.name, self.source(id, &port.name)?)))
     }
 
     /// The inputs that read an output of a node, as node, input and the output they read.
-    pub fn consumers(&self, id: NodeId) -> impl Iterator<Item = (NodeId, &'static str, &'static str)> + '_ {
-        self.dag.wires_from(id).map(|(node, wire)| (node, wire.to, wire.from))
+    pub fn consumers(&self, id: NodeId) -> impl Iterator<Item = (NodeId, &Name, &Name)> + '_ {
+        self.dag.wires_from(id).map(|(node, wire)| (node, &wire.to, &wire.from))
     }
 
     /// The source of an output of the graph, where nothing but the nodes themselves can stop it.
@@ -94,13 +95,18 @@ impl Graph {
     }
 
     /// `node.port`, as the file writes it.
-    pub fn source_text(&self, source: Source) -> String {
+    pub fn source_text(&self, source: &Source) -> String {
         format!("{}.{}", self.node(source.node).name, source.port)
     }
 
     /// The type of what an output of a node gives.
-    pub fn wire_type(&self, source: Source) -> Option<WireType> {
-        Some(self.get(source.node)?.kind()?.output(source.port)?.wire)
+    pub fn wire_type(&self, source: &Source) -> Option<WireType> {
+        Some(self.get(source.node)?.kind()?.output(&source.port)?.wire)
+    }
+
+    /// The output that a text `node.port` names, if there is one.
+    pub fn resolved(&self, text: &str) -> Option<Source> {
+        self.resolve(text).ok()
     }
 
     pub(super) fn resolve<'a>(&self, text: &'a str) -> Result<Source, Miss<'a>> {
@@ -108,7 +114,7 @@ impl Graph {
         let node = self.find(name).ok_or(Miss::Node(name))?;
         let kind = self.node(node).kind().ok_or(Miss::Kind(node))?;
         let port = kind.output(port).ok_or(Miss::Port(node, port))?;
-        Ok(Source { node, port: port.name })
+        Ok(Source { node, port: port.name.clone() })
     }
 
     /// Says why a text leads to no output, without a subject.
@@ -125,7 +131,7 @@ impl Graph {
             }
             Miss::Port(node, port) => {
                 let node = self.node(node);
-                let names = || node.kind().into_iter().flat_map(|k| k.outputs).map(|p| p.name);
+                let names = || node.kind().into_iter().flat_map(|k| &k.outputs).map(|p| p.name.as_str());
                 let (all, hint) = (listed(names()), hints.nearest(port, names()));
                 format!("reads `{text}`, but `{}` has no output `{port}`; it has {all}{hint}", node.name)
             }
@@ -143,24 +149,25 @@ impl Graph {
             if self.node(id).loose.is_empty() {
                 continue;
             }
-            let KindRef::Known(kind) = self.node(id).kind else { continue };
-            for port in kind.inputs() {
-                let fits = self.node(id).loose.get(port.name).and_then(Json::as_str).and_then(|text| {
-                    let source = self.resolve(text).ok()?;
-                    (self.wire_type(source)? == port.wire).then_some(source)
-                });
+            let KindRef::Known(kind) = self.node(id).kind.clone() else { continue };
+            for port in &kind.inputs {
+                let fits =
+                    self.node(id).loose.get(port.name.as_str()).and_then(Json::as_str).and_then(|text| {
+                        let source = self.resolve(text).ok()?;
+                        (self.wire_type(&source)? == port.wire).then_some(source)
+                    });
                 if let Some(source) = fits {
-                    self.dag[id].loose.shift_remove(port.name);
-                    self.put_wire(source, id, port.name);
+                    self.dag[id].loose.shift_remove(port.name.as_str());
+                    self.put_wire(source, id, &port.name);
                 }
             }
         }
     }
 
     /// Puts a wire in, in place of the one that was there.
-    pub(super) fn put_wire(&mut self, source: Source, id: NodeId, port: &'static str) {
+    pub(super) fn put_wire(&mut self, source: Source, id: NodeId, port: &Name) {
         self.cut_wire(id, port);
-        self.dag.connect(source, id, port);
+        self.dag.connect(source, id, port.clone());
     }
 
     /// Takes the wire into an input away, if there is one.

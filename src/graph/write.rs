@@ -75,7 +75,7 @@ impl Graph {
         let mut versions = BTreeMap::new();
         for id in self.nodes() {
             match &self.node(id).kind {
-                KindRef::Known(kind) => _ = versions.insert(kind.id, Json::from(kind.meta.version)),
+                KindRef::Known(kind) => _ = versions.insert(kind.id.as_str(), Json::from(kind.version)),
                 KindRef::Unknown(kind) => {
                     if let Some(written) = self.versions.get(kind) {
                         versions.insert(kind, written.clone());
@@ -111,10 +111,10 @@ impl Graph {
     fn written_inputs(&self, id: NodeId) -> Map<String, Json> {
         let node = self.node(id);
         let mut map = Map::new();
-        for port in node.kind().into_iter().flat_map(|k| k.inputs()) {
-            let wire = self.source(id, port.name).map(|s| Json::from(self.source_text(s)));
-            if let Some(value) = wire.or_else(|| node.loose.get(port.name).cloned()) {
-                map.insert(port.name.to_owned(), value);
+        for port in node.kind().into_iter().flat_map(|k| k.inputs.iter()) {
+            let wire = self.source(id, &port.name).map(|s| Json::from(self.source_text(&s)));
+            if let Some(value) = wire.or_else(|| node.loose.get(port.name.as_str()).cloned()) {
+                map.insert(port.name.to_string(), value);
             }
         }
         map.extend(node.loose.iter().map(|(k, v)| (k.clone(), v.clone())));

@@ -72,7 +72,7 @@ pub fn gaussian(work: &Work<'_>, input: &Field, window: Grid, sigma: f64) -> Res
         return Ok(input.crop(&window));
     }
     if input.grid().is_empty() {
-        return Err(Error::Input { port: "field", message: "has no samples".into() });
+        return Err(Error::Input { port: "field".into(), message: "has no samples".into() });
     }
     let plan = Plan::new(sigma);
     let base = Plane::of(input);

@@ -204,7 +204,7 @@ impl Far {
     ) -> Result<Self> {
         if field.grid().lattice != base || field.grid().is_empty() {
             let message = format!("stands on {:?}, not on the base grid", field.grid());
-            return Err(Error::Input { port, message });
+            return Err(Error::Input { port: port.into(), message });
         }
         let extents = extents.clone().within(field.grid());
         let scale = scale(window, base);

@@ -116,7 +116,7 @@ pub fn disk(work: &Work<'_>, input: &Field, window: Grid, radius: f64) -> Result
         return Ok(input.crop(&window));
     }
     if input.grid().is_empty() {
-        return Err(Error::Input { port: "field", message: "has no samples".into() });
+        return Err(Error::Input { port: "field".into(), message: "has no samples".into() });
     }
     let cols = plan.centers(window.col, window.col_end());
     let rows = plan.centers(window.row, window.row_end());

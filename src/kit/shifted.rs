@@ -27,7 +27,7 @@ impl<'a> Shifted<'a> {
         if step == 0 || coarse.refined(step) != fine || field.grid().is_empty() {
             let message =
                 format!("stands on {:?}, which does not hold the samples of {window:?}", field.grid());
-            return Err(Error::Input { port, message });
+            return Err(Error::Input { port: port.into(), message });
         }
         let step = i64::from(step);
         Ok(Self { field, first: [window.col * step, window.row * step], step, cols: window.cols })

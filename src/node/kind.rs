@@ -3,51 +3,91 @@
 use std::fmt::Debug;
 use std::sync::{Arc, OnceLock};
 
-use schemars::Schema;
-use serde_json::{Map, Value as Json};
+use serde_json::{Map, Value as Json, json};
 
-use super::{Context, Cost, Error, FileRequest, Known, Meta, Node, Reach, Result, SourceFile, Summary};
+#[cfg(doc)]
+use super::Meta;
+use super::{
+    Context, Cost, Error, FileRequest, Known, Migration, Node, Quantities, Reach, Reads, Result, SourceFile,
+    Summary,
+};
+use crate::name::Name;
 use crate::params::{self, Param};
-use crate::ports::{self, Port, Ports, Wires};
-use crate::value::{Grid, Terrain};
+use crate::ports::{self, Meaning, Port, Ports, Wires};
+use crate::value::{Grid, Quantity, Terrain};
 
-/// A node of a graph with its parameters parsed and its type erased; see [`Node`].
+/// A node of a graph with its parameters parsed and its type erased; see [`Node`], whose defaults it has.
 pub trait AnyNode: Debug + Send + Sync {
     /// See [`Node::reach`].
     fn reach(&self) -> Reach;
     /// See [`Node::footprint`].
-    fn footprint(&self, port: &str, window: &Grid, terrain: &Terrain) -> Grid;
+    fn footprint(&self, port: &str, window: &Grid, terrain: &Terrain) -> Grid {
+        let (_, _) = (port, terrain);
+        self.reach().window(window)
+    }
     /// See [`Node::views`].
-    fn views(&self, port: &str, window: &Grid, terrain: &Terrain) -> Vec<Grid>;
+    fn views(&self, port: &str, window: &Grid, terrain: &Terrain) -> Vec<Grid> {
+        let (_, _, _) = (port, window, terrain);
+        Vec::new()
+    }
     /// See [`Node::uses`].
-    fn uses(&self, port: &str) -> bool;
+    fn uses(&self, port: &str) -> bool {
+        let _ = port;
+        true
+    }
+    /// See [`Node::quantity`].
+    fn quantity(&self, output: &str, inputs: Quantities<'_>) -> Quantity {
+        let (_, _) = (output, inputs);
+        Quantity::Number
+    }
     /// See [`Node::cost`].
-    fn cost(&self, grid: &Grid) -> Cost;
+    fn cost(&self, grid: &Grid) -> Cost {
+        Cost::per_sample(grid, 2.0)
+    }
     /// See [`Node::cost_with`].
-    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost;
+    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
+        let _ = known;
+        self.cost(grid)
+    }
     /// See [`Node::cost_with_base`].
-    fn cost_with_base(&self, grid: &Grid, base: &Grid, known: Known<'_>) -> Cost;
+    fn cost_with_base(&self, grid: &Grid, base: &Grid, known: Known<'_>) -> Cost {
+        let _ = base;
+        self.cost_with(grid, known)
+    }
     /// See [`Node::check`].
     ///
     /// # Errors
     /// Those of [`Node::check`].
-    fn check(&self) -> Result<()>;
+    fn check(&self) -> Result<()> {
+        Ok(())
+    }
     /// See [`Node::files`].
-    fn files(&self) -> Vec<FileRequest>;
+    fn files(&self) -> Vec<FileRequest> {
+        Vec::new()
+    }
     /// See [`Node::reading`].
     ///
     /// # Errors
     /// Those of [`Node::reading`].
-    fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost>;
+    fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
+        Ok(Cost::of_reading(files))
+    }
     /// See [`Node::narrowest`].
-    fn narrowest(&self) -> Option<f64>;
+    fn narrowest(&self) -> Option<f64> {
+        None
+    }
     /// Whether the node needs a summary.
-    fn needs_summary(&self) -> bool;
+    fn needs_summary(&self) -> bool {
+        false
+    }
     /// Computes the summary from inputs on the base grid.
     ///
     /// # Errors
     /// Those of the kind.
-    fn summarize(&self, cx: &Context<'_>, wires: Wires) -> Result<Summary>;
+    fn summarize(&self, cx: &Context<'_>, wires: Wires) -> Result<Summary> {
+        let (_, _) = (cx, wires);
+        Err(Error::Undeclared { what: "summary" })
+    }
     /// See [`Node::run`].
     ///
     /// # Errors
@@ -69,6 +109,9 @@ impl<N: Node> AnyNode for N {
     }
     fn uses(&self, port: &str) -> bool {
         Node::uses(self, port)
+    }
+    fn quantity(&self, output: &str, inputs: Quantities<'_>) -> Quantity {
+        Node::quantity(self, output, inputs)
     }
     fn cost(&self, grid: &Grid) -> Cost {
         Node::cost(self, grid)
@@ -108,67 +151,163 @@ impl<N: Node> AnyNode for N {
     }
 }
 
-/// A node kind with its type erased: what the registry holds.
+/// Makes a node of its parameters, a JSON object that may leave out what has its default.
+type Parser = Box<dyn Fn(&Json) -> Result<Arc<dyn AnyNode>> + Send + Sync>;
+/// Makes a JSON document, when it is first asked for: most programs ask for few kinds.
+type Document = Box<dyn Fn() -> Json + Send + Sync>;
+
+/// What a node is to the outside: its ports, its parameters, its page, and how a node is made of it. The registry holds
+/// those of the structs of this program; others may be made while it runs.
 pub struct Kind {
     /// Its name in graph files.
-    pub id: &'static str,
+    pub id: Name,
     /// The family it stands in: `generate`, `filter` …
-    pub family: &'static str,
-    /// What does not depend on the parameters.
-    pub meta: &'static Meta,
+    pub family: Name,
+    /// See [`Meta::version`].
+    pub version: u32,
+    /// See [`Meta::cite`].
+    pub cite: Vec<Name>,
+    /// See [`Meta::keywords`].
+    pub keywords: Vec<Name>,
+    /// See [`Meta::reads`].
+    pub reads: Reads,
+    /// See [`Meta::mixes`].
+    pub mixes: Vec<(Name, Name)>,
+    /// See [`Meta::carries`].
+    pub carries: Vec<(Name, Name)>,
+    /// See [`Meta::migrations`].
+    pub migrations: Vec<Migration>,
+    /// See [`Meta::quick`].
+    pub quick: bool,
+    /// The inputs, the engine's `mask` among them where the kind mixes.
+    pub inputs: Vec<Port>,
     /// The outputs.
-    pub outputs: &'static [Port],
-    inputs: &'static [Port],
-    schema: fn() -> Schema,
-    defaults: fn() -> Json,
-    parse: fn(&Json) -> Result<Arc<dyn AnyNode>, serde_json::Error>,
+    pub outputs: Vec<Port>,
+    schema: Document,
+    defaults: Document,
+    parse: Parser,
     params: OnceLock<Vec<Param>>,
 }
 
 impl Kind {
-    /// Erases the type of a node kind.
-    pub const fn of<N: Node>(family: &'static str, id: &'static str) -> Self {
+    /// The kind of a struct of this program.
+    pub fn of<N: Node>(family: &'static str, id: &'static str) -> Self {
+        let parse = |json: &Json| -> Result<Arc<dyn AnyNode>> {
+            let node = N::deserialize(json).map_err(|e| Error::Parameter {
+                name: "set".into(),
+                message: format!("cannot be read: {e}"),
+            })?;
+            Ok(Arc::new(node))
+        };
+        let names = |all: &'static [&'static str]| all.iter().copied().map(Name::new_static).collect();
+        let pairs = |all: &'static [(&'static str, &'static str)]| {
+            let named = |(output, input): &(&'static str, &'static str)| {
+                (Name::new_static(output), Name::new_static(input))
+            };
+            all.iter().map(named).collect()
+        };
+        let kind = Self {
+            version: N::META.version,
+            cite: names(N::META.cite),
+            keywords: names(N::META.keywords),
+            reads: N::META.reads,
+            carries: pairs(N::META.carries),
+            migrations: N::META.migrations.to_vec(),
+            quick: N::META.quick,
+            inputs: N::In::PORTS.to_vec(),
+            outputs: N::Out::PORTS.to_vec(),
+            schema: Box::new(|| schemars::schema_for!(N).to_value()),
+            defaults: Box::new(|| serde_json::to_value(N::default()).unwrap_or(Json::Null)),
+            ..Self::new(Name::new_static(family), Name::new_static(id), parse)
+        };
+        kind.mixing(pairs(N::META.mixes))
+    }
+
+    /// A kind without ports and parameters, in its first version, whose nodes are made by `parse`.
+    pub fn new(
+        family: impl Into<Name>,
+        id: impl Into<Name>,
+        parse: impl Fn(&Json) -> Result<Arc<dyn AnyNode>> + Send + Sync + 'static,
+    ) -> Self {
         Self {
-            id,
-            family,
-            meta: &N::META,
-            inputs: N::In::PORTS,
-            outputs: N::Out::PORTS,
-            schema: || schemars::schema_for!(N),
-            defaults: || serde_json::to_value(N::default()).unwrap_or(Json::Null),
-            parse: |json| Ok(Arc::new(N::deserialize(json)?)),
+            id: id.into(),
+            family: family.into(),
+            version: 1,
+            cite: Vec::new(),
+            keywords: Vec::new(),
+            reads: Reads::NONE,
+            mixes: Vec::new(),
+            carries: Vec::new(),
+            migrations: Vec::new(),
+            quick: false,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            schema: Box::new(|| json!({ "type": "object" })),
+            defaults: Box::new(|| json!({})),
+            parse: Box::new(parse),
             params: OnceLock::new(),
         }
     }
 
-    /// The inputs, the engine's `mask` included where the kind mixes.
-    pub fn inputs(&self) -> impl Iterator<Item = &'static Port> + use<> {
-        let mask = (!self.meta.mixes.is_empty()).then_some(&ports::MASK);
-        self.inputs.iter().chain(mask)
+    /// The kind with parameters: the JSON schema of an object, whose description is the manual page, and an object that
+    /// has the default of each.
+    #[must_use]
+    pub fn with_parameters(self, schema: Json, defaults: Json) -> Self {
+        Self {
+            schema: Box::new(move || schema.clone()),
+            defaults: Box::new(move || defaults.clone()),
+            params: OnceLock::new(),
+            ..self
+        }
+    }
+
+    /// The kind with pairs of output and input that the engine mixes, and the input for the mask by which it does.
+    #[must_use]
+    pub fn mixing(mut self, pairs: Vec<(Name, Name)>) -> Self {
+        if !pairs.is_empty() {
+            self.inputs.push(ports::MASK);
+        }
+        Self { mixes: pairs, ..self }
     }
 
     /// The input of a name.
-    pub fn input(&self, name: &str) -> Option<&'static Port> {
-        self.inputs().find(|p| p.name == name)
+    pub fn input(&self, name: &str) -> Option<&Port> {
+        self.inputs.iter().find(|p| p.name == name)
     }
 
     /// The output of a name.
-    pub fn output(&self, name: &str) -> Option<&'static Port> {
+    pub fn output(&self, name: &str) -> Option<&Port> {
         self.outputs.iter().find(|p| p.name == name)
     }
 
     /// The input that an output is a change of, if there is one: what passes through where a node is left out.
-    pub fn bridge(&self, output: &str) -> Option<&'static str> {
+    pub fn bridge(&self, output: &str) -> Option<&Name> {
         let own = self.output(output)?;
-        let pairs = self.meta.mixes.iter().chain(self.meta.carries);
-        let paired = pairs.filter(|(o, _)| *o == own.name).map(|(_, input)| *input);
-        let twin = self.inputs.iter().map(|p| p.name).filter(|name| *name == own.name);
+        let pairs = self.mixes.iter().chain(&self.carries);
+        let paired = pairs.filter(|(o, _)| *o == own.name).map(|(_, input)| input);
+        let twin = self.inputs.iter().map(|p| &p.name).filter(|name| **name == own.name);
         paired.chain(twin).find(|name| self.input(name).is_some_and(|p| p.wire == own.wire))
+    }
+
+    /// What the numbers of an output of a node mean, given what those of its connected inputs do; `None` where it has
+    /// none, or its node decides and there is none.
+    pub fn quantity(
+        &self,
+        node: Option<&dyn AnyNode>,
+        output: &str,
+        inputs: Quantities<'_>,
+    ) -> Option<Quantity> {
+        match &self.output(output)?.meaning {
+            Meaning::Fixed(quantity) => Some(*quantity),
+            Meaning::Like(input) => Some(inputs(input).unwrap_or(Quantity::Number)),
+            Meaning::Chosen => Some(node?.quantity(output, inputs)),
+            Meaning::Nothing => None,
+        }
     }
 
     /// The JSON schema of the parameters.
     pub fn schema(&self) -> Json {
-        (self.schema)().to_value()
+        (self.schema)()
     }
 
     /// The manual page: the doc comment of the struct.
@@ -200,9 +339,7 @@ impl Kind {
     /// Names the parameter, what was found and what was expected; the nearest name where one is unknown.
     pub fn parse(&self, set: &Map<String, Json>) -> Result<Arc<dyn AnyNode>> {
         params::check_all(self.params(), set)?;
-        let whole = Json::Object(set.clone());
-        let parsed = (self.parse)(&whole)
-            .map_err(|e| Error::Parameter { name: "set".into(), message: format!("cannot be read: {e}") })?;
+        let parsed = (self.parse)(&Json::Object(set.clone()))?;
         parsed.check()?;
         Ok(parsed)
     }

@@ -137,12 +137,12 @@ impl<'a> Scene<'a> {
         if grid.cols < 2 || grid.rows < 2 {
             let message =
                 format!("needs at least 2 x 2 samples to be drawn, got {} x {}", grid.cols, grid.rows);
-            return Err(Error::Input { port: "height", message });
+            return Err(Error::Input { port: "height".into(), message });
         }
         if let Some(at) = self.height.data().iter().position(|z| !z.is_finite()) {
             let (col, row) = (at % grid.cols, at / grid.cols);
             let message = format!("is not finite at column {col}, row {row}");
-            return Err(Error::Input { port: "height", message });
+            return Err(Error::Input { port: "height".into(), message });
         }
         if let Some(color) = self.color {
             let (c, h) = ([color.grid().cols, color.grid().rows], [grid.cols, grid.rows]);
@@ -151,7 +151,7 @@ impl<'a> Scene<'a> {
                     "has {} x {} samples, the height {} x {}; they must stand on one grid",
                     c[0], c[1], h[0], h[1]
                 );
-                return Err(Error::Input { port: "color", message });
+                return Err(Error::Input { port: "color".into(), message });
             }
         }
         within("cell", grid.cell(), 1e-9, 1e9)?;

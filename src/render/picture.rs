@@ -27,10 +27,10 @@ impl Picture {
     /// # Errors
     /// When width, height and pixels do not belong together.
     pub fn to_png(&self) -> Result<Vec<u8>> {
-        let fault = |e: png::EncodingError| Error::Output { port: "picture", message: e.to_string() };
+        let fault = |e: png::EncodingError| Error::Output { port: "picture".into(), message: e.to_string() };
         let side = |pixels: usize| {
             u32::try_from(pixels).map_err(|_| Error::Output {
-                port: "picture",
+                port: "picture".into(),
                 message: format!("has {pixels} pixels along a side, a PNG at most {}", u32::MAX),
             })
         };

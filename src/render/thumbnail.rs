@@ -69,7 +69,7 @@ fn flat(field: &Field, side: usize, work: &Work<'_>, f: impl Fn(f32) -> [f32; 3]
 
 fn paint(colors: &[[f32; 3]], from: [usize; 2], side: usize, work: &Work<'_>) -> Result<Picture> {
     if from.contains(&0) {
-        return Err(Error::Input { port: "value", message: "has no samples".into() });
+        return Err(Error::Input { port: "value".into(), message: "has no samples".into() });
     }
     let longer = from[0].max(from[1]);
     let size = from.map(|n| if longer > side { (n * side / longer).max(1) } else { n });

@@ -64,6 +64,14 @@ impl Quantity {
         }
     }
 
+    /// The name with its unit: `elevation in m`.
+    pub fn described(self) -> String {
+        match self.unit() {
+            "1" => self.name().to_owned(),
+            unit => format!("{} in {unit}", self.name()),
+        }
+    }
+
     /// The unit symbol; `1` for plain numbers.
     pub fn unit(self) -> &'static str {
         match self {

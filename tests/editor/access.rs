@@ -48,8 +48,8 @@ fn every_control_has_a_name() {
     window.0.get_all_by_label("Node").last().unwrap().click();
     window.steps(2);
     // A node of every kind.
-    let kinds: Vec<&str> = window.graph().registry().iter().map(|k| k.id).collect();
-    for kind in kinds {
+    let kinds: Vec<_> = window.graph().registry().iter().map(|k| k.id.clone()).collect();
+    for kind in &kinds {
         window.add(ground(300.0, 200.0), kind);
         look(&window, kind);
         window.key(Key::Delete);

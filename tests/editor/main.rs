@@ -1,6 +1,9 @@
 //! The editor: a hand that clicks, drags and types, and the document that comes of it.
 #![allow(clippy::unwrap_used, reason = "a test stops where something fails")]
 
+#[path = "../it/graph/weighted.rs"]
+mod weighted;
+
 mod access;
 mod canvas;
 mod drawing;
@@ -130,7 +133,7 @@ impl Window {
     /// What the node of a name reads at an input.
     pub(crate) fn reads(&self, node: &str, input: &str) -> Option<String> {
         let graph = self.graph();
-        graph.source(graph.find(node).unwrap(), input).map(|s| graph.source_text(s))
+        graph.source(graph.find(node).unwrap(), input).map(|s| graph.source_text(&s))
     }
 
     pub(crate) fn rect(&self, label: &str) -> Rect {

@@ -1,9 +1,12 @@
 //! Parameters by hand.
 
+use std::path::Path;
+
 use eframe::egui::{Key, Modifiers};
+use orograph::editor::{Answer, Setup};
 use serde_json::json;
 
-use super::{Window, ground};
+use super::{Window, ground, weighted};
 
 #[test]
 fn a_typed_value_is_one_change() {
@@ -84,4 +87,17 @@ fn charts_have_room() {
     let canvas = window.rect("canvas");
     assert!(before.height() - after.height() > 80.0, "{before} {after}");
     assert!(canvas.top() - after.bottom() > 80.0, "{canvas} {after}");
+}
+
+#[test]
+fn a_kind_made_while_the_program_runs_has_sliders() {
+    let registry = weighted::registry();
+    let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
+    let mut window = Window::of(Setup { registry, home: None, asker, ..Setup::default() });
+    // By one of its words.
+    window.add(ground(20.0, 30.0), "heap");
+    window.type_into("the weight of what stands left", "-2.5");
+    let graph = window.graph();
+    let node = graph.find("weighted").unwrap();
+    assert_eq!(graph.node(node).set["the weight of what stands left"], -2.5);
 }

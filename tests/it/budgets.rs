@@ -105,7 +105,7 @@ fn a_graph_that_holds_more_than_its_plan_says_is_found() {
         nodes["end"] = json!({ "kind": "copy", "in": { "field": "hog.field" } });
         let graph = test_graph(nodes);
         let grid = graph.terrain().grid(513).unwrap();
-        let want = [Want { node: graph.find("end").unwrap(), port: "field", grid }];
+        let want = [Want { node: graph.find("end").unwrap(), port: "field".into(), grid }];
         let (held, evaluation) = watched(&engine(1, u64::MAX, Keep::Lasting), &graph, &want);
         held > evaluation.peak_bytes + SMALL
     };
@@ -131,7 +131,7 @@ fn fan(n: usize) -> Graph {
 fn tasks_that_run_ahead_stay_within_the_plan() {
     let graph = fan(24);
     let grid = graph.terrain().grid(257).unwrap();
-    let want = [Want { node: graph.find("c23").unwrap(), port: "field", grid }];
+    let want = [Want { node: graph.find("c23").unwrap(), port: "field".into(), grid }];
     for keep in [Keep::Lasting, Keep::Nothing] {
         // However much there is, a build takes what its plan says.
         let evaluation = evaluate(&engine(8, 1 << 40, keep), &graph, &want);
@@ -148,7 +148,8 @@ fn a_lift_makes_what_is_read_and_nothing_else() {
     let grid = graph.terrain().grid(513).unwrap();
     let diffuse = graph.nodes().find(|id| graph.node(*id).kind().is_some_and(|k| k.id == "diffuse")).unwrap();
     let lifted = |ports: &[&'static str]| {
-        let wants: Vec<_> = ports.iter().map(|port| Want { node: diffuse, port, grid }).collect();
+        let wants: Vec<_> =
+            ports.iter().map(|port| Want { node: diffuse, port: (*port).into(), grid }).collect();
         let lift = |t: &PlannedTask| t.kind == "diffuse" && t.stage == Stage::Lift;
         let lift = e.plan(&graph, &wants).tasks().into_iter().find(lift).unwrap();
         (lift.output_bytes, e.evaluate(&graph, &wants, &Unobserved, &Cancel::default()).unwrap())

@@ -40,7 +40,7 @@ pub(crate) fn engine(threads: usize) -> Engine {
 }
 
 pub(crate) fn want(graph: &Graph, node: &str, grid: Grid) -> Want {
-    Want { node: graph.find(node).expect("the node"), port: "field", grid }
+    Want { node: graph.find(node).expect("the node"), port: "field".into(), grid }
 }
 
 pub(crate) fn evaluate(engine: &Engine, graph: &Graph, node: &str, grid: Grid) -> Evaluation {
@@ -283,9 +283,10 @@ fn a_failure_stops_only_what_needs_it_and_names_the_node() {
         "panics": { "kind": "panics" },
         "secret": { "kind": "secret_seed" },
         "wrong": { "kind": "wrong_grid" },
+        "other": { "kind": "wrong_quantity" },
         "steep": { "kind": "waves", "set": { "height": 1e99 } },
     }));
-    let names = ["hills", "bad", "mixed", "loose", "over", "panics", "secret", "wrong", "steep"];
+    let names = ["hills", "bad", "mixed", "loose", "over", "panics", "secret", "wrong", "steep", "other"];
     let wants: Vec<_> = names.iter().map(|n| want(&g, n, grid(&g, 65))).collect();
     let all = engine(2).evaluate(&g, &wants, &Unobserved, &Cancel::default()).unwrap();
     assert!(all.values[0].is_ok(), "what does not need them is made");
@@ -295,6 +296,7 @@ fn a_failure_stops_only_what_needs_it_and_names_the_node() {
     };
     says(1, "node `bad`: output `field` is not finite at column 0, row 3");
     says(2, "node `bad`");
+    says(9, "output `field` is slope, and the kind says number");
     says(3, "node `loose`: input `b` is not connected");
     says(4, "erode_by_magic");
     says(5, "node `panics`: stopped by a bug of its kind: the kind has a bug");
@@ -626,7 +628,7 @@ fn warnings_stay_with_a_result() {
     let folder = tempfile::tempdir().expect("a folder");
     let grid = g.terrain().grid(65).expect("a grid");
     let run = |e: &Engine| {
-        let want = Want { node: g.find("a").expect("a node"), port: "field", grid };
+        let want = Want { node: g.find("a").expect("a node"), port: "field".into(), grid };
         let all = e.evaluate(&g, &[want], &Unobserved, &Cancel::default()).expect("an evaluation");
         all.tasks.into_iter().map(|t| (t.cached, t.warnings)).collect::<Vec<_>>()
     };

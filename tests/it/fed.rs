@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use orograph::engine::{Engine, Files, Options, Unobserved, Want};
 use orograph::graph::Graph;
 use orograph::node::{Cancel, Kind};
+use orograph::nodes::Registry;
 use orograph::params::{Param, Shape};
 use orograph::value::{Grid, Value, WireType};
 use serde_json::{Map, Value as Json, json};
@@ -34,7 +35,8 @@ static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
 
 /// The shipped kinds.
 pub(crate) fn shipped() -> Vec<&'static Kind> {
-    orograph::nodes::Registry::standard().iter().collect()
+    static ALL: LazyLock<Registry> = LazyLock::new(Registry::standard);
+    ALL.iter().map(|kind| &**kind).collect()
 }
 
 /// The folder with the small files.
@@ -77,10 +79,10 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
         });
     }
     let mut inputs = Map::new();
-    for (i, port) in kind.inputs().enumerate().filter(|(_, p)| p.name != "mask" || mask.is_none()) {
+    for (i, port) in kind.inputs.iter().enumerate().filter(|(_, p)| p.name != "mask" || mask.is_none()) {
         let wanted = match port.wire {
             WireType::Field => {
-                ["first.field", "second.field", "share.field"][if is_share(port.name) { 2 } else { i % 2 }]
+                ["first.field", "second.field", "share.field"][if is_share(&port.name) { 2 } else { i % 2 }]
             }
             WireType::Vectors => "turns.vectors",
             WireType::Colors => "tints.colors",
@@ -88,8 +90,8 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
             WireType::Constraints => "marks.constraints",
         };
         // The engine's own mask is left out here: it has a test of its own.
-        if port.name != "mask" || kind.meta.mixes.is_empty() {
-            inputs.insert(port.name.to_owned(), json!(wanted));
+        if port.name != "mask" || kind.mixes.is_empty() {
+            inputs.insert(port.name.to_string(), json!(wanted));
         }
     }
     if let Some(mask) = mask {
@@ -112,7 +114,7 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
             "marks": { "kind": "curve_raster", "in": { "curves": "lines.curves" } },
             "zero": { "kind": "constant", "set": { "value": 0, "quantity": "mask" } },
             "one": { "kind": "constant", "set": { "value": 1, "quantity": "mask" } },
-            "node": { "kind": kind.id, "set": set, "in": inputs },
+            "node": { "kind": kind.id.as_str(), "set": set, "in": inputs },
         },
         "outputs": {},
     });
@@ -129,11 +131,15 @@ pub(crate) fn outputs(
     graph: &Graph,
     kind: &Kind,
     grid: Grid,
-) -> Result<BTreeMap<&'static str, Value>, String> {
+) -> Result<BTreeMap<String, Value>, String> {
     let node = graph.find("node").unwrap();
-    let wants: Vec<Want> = kind.outputs.iter().map(|p| Want { node, port: p.name, grid }).collect();
+    let wants: Vec<Want> = kind.outputs.iter().map(|p| Want { node, port: p.name.clone(), grid }).collect();
     let all = engine.evaluate(graph, &wants, &Unobserved, &Cancel::default()).map_err(|e| e.to_string())?;
-    kind.outputs.iter().zip(all.values).map(|(p, v)| Ok((p.name, v.map_err(|f| f.to_string())?))).collect()
+    kind.outputs
+        .iter()
+        .zip(all.values)
+        .map(|(p, v)| Ok((p.name.to_string(), v.map_err(|f| f.to_string())?)))
+        .collect()
 }
 
 /// The samples of a raster to the bit; what else a value holds as its text.

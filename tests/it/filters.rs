@@ -71,10 +71,10 @@ fn rough_field(port: &str, grid: &Grid) -> Option<Value> {
 }
 
 /// Runs a node as the engine does: a summary on the base grid, inputs on their footprints, cut to the apron.
-fn run_any(node: &dyn AnyNode, ports: &[&'static str], at: Grid, source: Source<'_>) -> Result<Value, Error> {
+fn run_any(node: &dyn AnyNode, ports: &[&str], at: Grid, source: Source<'_>) -> Result<Value, Error> {
     let (terrain, cancel) = (world(), Cancel::default());
     let wires = |grid_of: &dyn Fn(&str) -> Grid| {
-        let value = |&p: &&'static str| Some((p, source(p, &grid_of(p))?));
+        let value = |p: &&str| Some((*p).to_owned()).zip(source(p, &grid_of(p)));
         ports.iter().filter_map(value).collect::<Wires>()
     };
     let summary: Option<Summary> = node.needs_summary().then(|| {
@@ -90,7 +90,7 @@ fn run_any(node: &dyn AnyNode, ports: &[&'static str], at: Grid, source: Source<
 }
 
 fn run<N: Node>(node: &N, at: Grid, source: Source<'_>) -> Field {
-    let ports: Vec<_> = N::In::PORTS.iter().map(|p| p.name).collect();
+    let ports: Vec<_> = N::In::PORTS.iter().map(|p| p.name.as_str()).collect();
     match run_any(node, &ports, at, source).expect("a result") {
         Value::Field(field) => field,
         other => panic!("a field, got {:?}", other.wire_type()),
@@ -165,7 +165,7 @@ fn same_for_any_threads<N: Node>(node: &N, source: Source<'_>) {
 
 fn node_inputs<N: Node>(node: &N, at: Grid, source: Source<'_>) -> Wires {
     let on = |p: &str| clipped(&Node::footprint(node, p, &at, &world()));
-    N::In::PORTS.iter().filter_map(|p| Some((p.name, source(p.name, &on(p.name))?))).collect()
+    N::In::PORTS.iter().filter_map(|p| Some((p.name.clone(), source(&p.name, &on(&p.name))?))).collect()
 }
 
 #[test]
@@ -264,9 +264,9 @@ fn results_are_finite_for_every_allowed_parameter_and_hostile_inputs() {
     ];
     let registry = Registry::standard();
     let mut kinds = 0;
-    for kind in registry.iter().filter(|k| matches!(k.family, "blend" | "filter")) {
+    for kind in registry.iter().filter(|k| matches!(k.family.as_str(), "blend" | "filter")) {
         kinds += 1;
-        let ports: Vec<_> = kind.inputs().map(|p| p.name).filter(|n| *n != "mask").collect();
+        let ports: Vec<_> = kind.inputs.iter().map(|p| p.name.as_str()).filter(|n| *n != "mask").collect();
         let mut sets = vec![Map::new()];
         let all = kind.params().iter().map(|p| (p.name.clone(), extremes(&p.shape)));
         for (name, values) in all.clone() {

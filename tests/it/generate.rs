@@ -15,11 +15,12 @@ use orograph::params::{Param, Shape};
 use orograph::ports::Wires;
 use orograph::value::{Field, Grid, Terrain, Value};
 use serde_json::{Map, Value as Json, json};
+use std::sync::Arc;
 
 const KINDS: [&str; 5] = ["cellular_noise", "constant", "fractal_noise", "gradient", "multifractal"];
 
-fn kind(id: &str) -> &'static Kind {
-    Registry::standard().find(id).expect(id)
+fn kind(id: &str) -> Arc<Kind> {
+    Registry::standard().find(id).cloned().expect(id)
 }
 
 fn set(json: Json) -> Map<String, Json> {

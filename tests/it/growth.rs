@@ -328,22 +328,22 @@ fn run(kind: &'static Kind, set: &Map<String, Json>, size: u32) -> impl Fn() -> 
     let grid = terrain.grid(size).unwrap();
     let (e, cancel) = (engine(1), Cancel::default());
     let inputs = |grid: Grid| -> Wires {
-        let ports = kind.inputs().filter(|p| p.name != MASK.name && node.uses(p.name));
+        let ports = kind.inputs.iter().filter(|p| p.name != MASK.name && node.uses(&p.name));
         let value = |name: &str| {
             let source = graph.source(id, name)?;
             let want = orograph::engine::Want { node: source.node, port: source.port, grid };
             let unobserved = &orograph::engine::Unobserved;
             Some(e.evaluate(&graph, &[want], unobserved, &cancel).unwrap().values.remove(0).unwrap())
         };
-        ports.filter_map(|p| Some((p.name, value(p.name)?))).collect()
+        ports.filter_map(|p| Some((p.name.clone(), value(&p.name)?))).collect()
     };
-    let cx = Context { reads: kind.meta.reads, ..Context::bare(grid, &terrain, &cancel) };
+    let cx = Context { reads: kind.reads, ..Context::bare(grid, &terrain, &cancel) };
     let base = Context { grid: terrain.base_grid(), ..cx };
     let summary = node.needs_summary().then(|| node.summarize(&base, inputs(terrain.base_grid())).unwrap());
     let wires = inputs(grid);
     move || {
         let cancel = Cancel::default();
-        let cx = Context { reads: kind.meta.reads, ..Context::bare(grid, &terrain, &cancel) };
+        let cx = Context { reads: kind.reads, ..Context::bare(grid, &terrain, &cancel) };
         node.run(&Context { whole: summary.as_ref(), ..cx }, wires.clone()).unwrap()
     }
 }
@@ -390,17 +390,18 @@ fn every_kind_that_reads_curves_is_linear_and_its_cost_follows_them() {
     let (grid, cancel) = (terrain.base_grid(), Cancel::default());
     let (mut faults, mut tried) = (Vec::new(), 0);
     for kind in shipped() {
-        let ports: Vec<_> = kind.inputs().filter(|p| p.wire == WireType::Curves).map(|p| p.name).collect();
+        let ports: Vec<_> =
+            kind.inputs.iter().filter(|p| p.wire == WireType::Curves).map(|p| p.name.clone()).collect();
         if ports.is_empty() {
             continue;
         }
         tried += 1;
         let node = kind.parse(&Map::new()).unwrap();
         let wires = |n: usize| -> Wires {
-            ports.iter().map(|port| (*port, Value::Curves(sets[usize::from(n > 1)].clone()))).collect()
+            ports.iter().map(|port| (port.clone(), Value::Curves(sets[usize::from(n > 1)].clone()))).collect()
         };
-        let cx = Context { reads: kind.meta.reads, ..Context::bare(grid, &terrain, &cancel) };
-        faults.extend(fault(kind.id, |n| node.run(&cx, wires(n)).unwrap()));
+        let cx = Context { reads: kind.reads, ..Context::bare(grid, &terrain, &cancel) };
+        faults.extend(fault(&kind.id, |n| node.run(&cx, wires(n)).unwrap()));
         let cost = |n: usize| {
             let known = |_: &str| (n > 0).then(|| Value::Curves(sets[usize::from(n > 1)].clone()));
             node.cost_with(&grid, &known).seconds

@@ -23,7 +23,19 @@ ports! {
     pub(crate) struct None {}
     pub(crate) struct One {
         /// A field.
+        field: Field = Meaning::like("field"),
+    }
+    pub(crate) struct Land {
+        /// Height, in metres.
+        field: Field = Meaning::Fixed(Quantity::Elevation),
+    }
+    pub(crate) struct Share {
+        /// A plain number.
         field: Field,
+    }
+    pub(crate) struct Both {
+        /// A field.
+        field: Field = Meaning::like("a"),
     }
     pub(crate) struct Two {
         /// A field.
@@ -45,6 +57,7 @@ params! {
     Panics {}
     SecretSeed {}
     WrongGrid {}
+    WrongQuantity {}
     Peeks {}
     Slow { seconds: Number = Number(5.0) }
     Bytes { file: FilePath = FilePath::default() }
@@ -67,12 +80,12 @@ pub(crate) fn waves(x: f64, y: f64, length: f64, seed: u64) -> f32 {
 
 impl Node for Waves {
     type In = None;
-    type Out = One;
+    type Out = Land;
     const META: Meta = Meta::new().reads(Reads::SEED);
     fn reach(&self) -> Reach {
         Reach::Point
     }
-    fn run(&self, cx: &Context<'_>, _: None) -> Result<One> {
+    fn run(&self, cx: &Context<'_>, _: None) -> Result<Land> {
         let seed = cx.seed(self.seed)?;
         let xs = cx.grid.xs();
         let field = cx.fill(Quantity::Elevation, |row, out| {
@@ -80,39 +93,39 @@ impl Node for Waves {
                 *o = self.height.0 as f32 * waves(*x, row.y, self.length.0, seed);
             }
         })?;
-        Ok(One { field })
+        Ok(Land { field })
     }
 }
 
 /// Warns from every row.
 impl Node for Grumbles {
     type In = None;
-    type Out = One;
+    type Out = Land;
     const META: Meta = Meta::new();
     fn reach(&self) -> Reach {
         Reach::Point
     }
-    fn run(&self, cx: &Context<'_>, _: None) -> Result<One> {
+    fn run(&self, cx: &Context<'_>, _: None) -> Result<Land> {
         let field = cx.fill(Quantity::Elevation, |row, _| cx.warn(format!("row {}", row.j % 3)))?;
-        Ok(One { field })
+        Ok(Land { field })
     }
 }
 
 impl Node for Sum {
     type In = Two;
-    type Out = One;
+    type Out = Both;
     const META: Meta = Meta::new().mixes(&[("field", "a")]);
     fn reach(&self) -> Reach {
         Reach::Point
     }
-    fn run(&self, cx: &Context<'_>, Two { a, b }: Two) -> Result<One> {
+    fn run(&self, cx: &Context<'_>, Two { a, b }: Two) -> Result<Both> {
         let (a, b) = (a.crop(&cx.grid), b.crop(&cx.grid));
         let field = cx.fill(a.quantity(), |row, out| {
             for ((o, a), b) in out.iter_mut().zip(a.row(row.j)).zip(b.row(row.j)) {
                 *o = a + b;
             }
         })?;
-        Ok(One { field })
+        Ok(Both { field })
     }
 }
 
@@ -207,8 +220,8 @@ impl Node for Dig {
 
 /// Brings a field to 0..1 by its range on the base grid.
 impl Node for Stretch {
-    type In = One;
-    type Out = One;
+    type In = Share;
+    type Out = Share;
     const META: Meta = Meta::new();
     fn reach(&self) -> Reach {
         Reach::Point
@@ -219,9 +232,9 @@ impl Node for Stretch {
             Ok(Summary([f64::from(lo), f64::from(hi)].into()))
         })
     }
-    fn run(&self, cx: &Context<'_>, One { field }: One) -> Result<One> {
+    fn run(&self, cx: &Context<'_>, Share { field }: Share) -> Result<Share> {
         let (lo, hi) = (cx.summary()?.0[0] as f32, cx.summary()?.0[1] as f32);
-        Ok(One { field: cx.map(&field, Quantity::Number, |x: f32| (x - lo) / (hi - lo).max(1e-6))? })
+        Ok(Share { field: cx.map(&field, Quantity::Number, |x: f32| (x - lo) / (hi - lo).max(1e-6))? })
     }
 }
 
@@ -259,6 +272,7 @@ generator! {
     })? });
     Panics: |self, _cx| panic!("the kind has a bug");
     SecretSeed: |self, cx| { let s = cx.seed(Seed(1))? as f32; Ok(One { field: Field::constant(cx.grid, Quantity::Number, s) }) };
+    WrongQuantity: |self, cx| Ok(One { field: Field::constant(cx.grid, Quantity::Slope, 0.0) });
     WrongGrid: |self, cx| Ok(One { field: Field::constant(cx.grid.grow_cells(1), Quantity::Number, 0.0) });
     Slow: |self, cx| {
         let end = std::time::Instant::now() + std::time::Duration::from_secs_f64(self.seconds.0);
@@ -378,8 +392,8 @@ impl Node for Either {
 
 /// The standard kinds and those of this file.
 pub(crate) fn registry() -> Registry {
-    static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
-        vec![
+    static KINDS: LazyLock<Registry> = LazyLock::new(|| {
+        Registry::standard().with([
             Kind::of::<Waves>("test", "waves"),
             Kind::of::<Sum>("test", "sum"),
             Kind::of::<Smooth>("test", "smooth"),
@@ -391,6 +405,7 @@ pub(crate) fn registry() -> Registry {
             Kind::of::<Panics>("test", "panics"),
             Kind::of::<SecretSeed>("test", "secret_seed"),
             Kind::of::<WrongGrid>("test", "wrong_grid"),
+            Kind::of::<WrongQuantity>("test", "wrong_quantity"),
             Kind::of::<Peeks>("test", "peeks"),
             Kind::of::<Slow>("test", "slow"),
             Kind::of::<Bytes>("test", "bytes"),
@@ -399,7 +414,7 @@ pub(crate) fn registry() -> Registry {
             Kind::of::<Grumbles>("test", "grumbles"),
             Kind::of::<Around>("test", "around"),
             Kind::of::<Glances>("test", "glances"),
-        ]
+        ])
     });
-    Registry::standard().with(KINDS.iter())
+    KINDS.clone()
 }

@@ -23,16 +23,16 @@ fn every_kind_is_documented() {
         if first.len() < 15 || !(doc.contains(". ") || doc.contains(".\n") || doc.ends_with('.')) {
             bad.push(format!("{}: no page", kind.id));
         }
-        let ports = kind.inputs().chain(kind.outputs);
+        let ports = kind.inputs.iter().chain(&kind.outputs);
         bad.extend(
             ports.filter(|p| p.doc.len() < 10).map(|p| format!("{}: port {} has no words", kind.id, p.name)),
         );
-        faults(kind.id, kind.params(), true, &mut bad);
-        if kind.meta.keywords.is_empty() {
+        faults(&kind.id, kind.params(), true, &mut bad);
+        if kind.keywords.is_empty() {
             bad.push(format!("{}: no keywords", kind.id));
         }
-        if kind.meta.version as usize != kind.meta.migrations.len() + 1 {
-            bad.push(format!("{}: version {} without its migrations", kind.id, kind.meta.version));
+        if kind.version as usize != kind.migrations.len() + 1 {
+            bad.push(format!("{}: version {} without its migrations", kind.id, kind.version));
         }
     }
     assert!(bad.is_empty(), "{}", bad.join("\n"));
@@ -101,7 +101,7 @@ fn every_kind_gives_the_same_bits_on_any_number_of_threads() {
         let one = of(1);
         for threads in [2, 7] {
             for (port, value) in of(threads) {
-                assert!(bits(&value) == bits(&one[port]), "{}.{port} on {threads} threads", kind.id);
+                assert!(bits(&value) == bits(&one[&port]), "{}.{port} on {threads} threads", kind.id);
             }
         }
     }
@@ -135,23 +135,27 @@ fn every_allowed_parameter_gives_finite_fields_or_a_clear_refusal() {
 #[test]
 fn every_mixing_kind_keeps_its_input_where_the_mask_is_0_and_takes_the_result_where_it_is_1() {
     let mut tried = 0;
-    for kind in shipped().into_iter().filter(|k| !k.meta.mixes.is_empty()) {
+    for kind in shipped().into_iter().filter(|k| !k.mixes.is_empty()) {
         let run = |mask| {
             let g = fed(kind, &Map::new(), mask);
             outputs(&engine(2), &g, kind, grid(&g, 65)).unwrap_or_else(|e| panic!("{}: {e}", kind.id))
         };
         let (plain, none, all) = (run(None), run(Some("zero.field")), run(Some("one.field")));
-        for (output, input) in kind.meta.mixes {
+        for (output, input) in &kind.mixes {
             let g = fed(kind, &Map::new(), None);
             let source = g.source(g.find("node").unwrap(), input).unwrap();
             let want = Want { node: source.node, port: source.port, grid: grid(&g, 65) };
             let before = engine(1).evaluate(&g, &[want], &Unobserved, &Cancel::default()).unwrap();
             assert!(
-                bits(&none[output]) == bits(before.values[0].as_ref().unwrap()),
+                bits(&none[output.as_str()]) == bits(before.values[0].as_ref().unwrap()),
                 "{} where the mask is 0",
                 kind.id
             );
-            assert!(bits(&all[output]) == bits(&plain[output]), "{} where the mask is 1", kind.id);
+            assert!(
+                bits(&all[output.as_str()]) == bits(&plain[output.as_str()]),
+                "{} where the mask is 1",
+                kind.id
+            );
         }
         tried += 1;
     }
@@ -349,13 +353,13 @@ mod random {
             for (pick, wires) in picks {
                 let kind = kinds[pick as usize % kinds.len()];
                 let name = format!("n{}", made.len());
-                let id = g.add(&name, kind.id).unwrap();
-                for (i, port) in kind.inputs().enumerate() {
+                let id = g.add(&name, &kind.id).unwrap();
+                for (i, port) in kind.inputs.iter().enumerate() {
                     if made.is_empty() { break; }
                     let (from, source) = &made[wires[i % 4] as usize % made.len()];
-                    let output = source.outputs[wires[(i + 1) % 4] as usize % source.outputs.len()].name;
+                    let output = source.outputs[wires[(i + 1) % 4] as usize % source.outputs.len()].name.clone();
                     // A wire of the wrong type is refused, and that is a fair outcome.
-                    let _ = g.connect(g.find(from).unwrap(), output, id, port.name);
+                    let _ = g.connect(g.find(from).unwrap(), &output, id, &port.name);
                 }
                 made.push((name, kind));
             }
@@ -364,7 +368,7 @@ mod random {
             prop_assert_eq!(&again.canonical(), &text);
             let e = engine(2);
             for (name, kind) in &made {
-                let want = Want { node: g.find(name).unwrap(), port: kind.outputs[0].name, grid: grid(&g, 17) };
+                let want = Want { node: g.find(name).unwrap(), port: kind.outputs[0].name.clone(), grid: grid(&g, 17) };
                 let all = e.evaluate(&g, &[want], &Unobserved, &Cancel::default()).unwrap();
                 if let Err(failure) = &all.values[0] {
                     prop_assert!(!failure.to_string().contains("bug"), "{}", failure);

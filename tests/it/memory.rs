@@ -13,6 +13,7 @@ use orograph::files::{
 use orograph::graph::Graph;
 use orograph::kit::curves::raster::BESIDE;
 use orograph::kit::curves::rasterise;
+use orograph::name::Name;
 use orograph::node::{Cancel, Context, Kind, Reach, SourceFile};
 use orograph::params::Shape;
 use orograph::ports::{MASK, Wires};
@@ -95,7 +96,7 @@ fn peak<T: Send>(work: impl FnOnce() -> T + Send) -> (u64, T) {
 
 /// What a node said it takes on a grid beside inputs and outputs, and what it took. Inputs may come on windows that are
 /// some cells wider than it asked for; then the engine counts a copy of each.
-fn said_and_taken(kind: &'static Kind, set: &Map<String, Json>, size: u32, wider: i64) -> Option<(u64, u64)> {
+fn said_and_taken(kind: &Kind, set: &Map<String, Json>, size: u32, wider: i64) -> Option<(u64, u64)> {
     let mut graph = fed(kind, set, None);
     graph.assign("terrain.base", "257").unwrap();
     let id = graph.find("node").unwrap();
@@ -107,30 +108,30 @@ fn said_and_taken(kind: &'static Kind, set: &Map<String, Json>, size: u32, wider
     let grid = if node.reach() == Reach::Global { terrain.base_grid() } else { terrain.grid(size).unwrap() };
     let evaluate = |want: Want| e.evaluate(&graph, &[want], &Unobserved, &cancel).unwrap().values.remove(0);
     let inputs = |window: &dyn Fn(&str) -> Grid| -> Wires {
-        let ports = kind.inputs().filter(|p| p.name != MASK.name && node.uses(p.name));
+        let ports = kind.inputs.iter().filter(|p| p.name != MASK.name && node.uses(&p.name));
         let value = |name: &str| {
             let source = graph.source(id, name)?;
             Some(evaluate(Want { node: source.node, port: source.port, grid: window(name) }).unwrap())
         };
-        ports.filter_map(|p| Some((p.name, value(p.name)?))).collect()
+        ports.filter_map(|p| Some((p.name.clone(), value(&p.name)?))).collect()
     };
-    let mut cx = Context { reads: kind.meta.reads, ..Context::bare(grid, terrain, &cancel) };
+    let mut cx = Context { reads: kind.reads, ..Context::bare(grid, terrain, &cancel) };
     let base = Context { grid: terrain.base_grid(), ..cx };
     let summary =
         node.needs_summary().then(|| node.summarize(&base, inputs(&|_| terrain.base_grid())).unwrap());
     cx.whole = summary.as_ref();
     let asked = |port: &str| within_apron(&node.footprint(port, &grid, terrain), terrain);
     let wires = inputs(&|port| within_apron(&asked(port).grow_cells(wider), terrain));
-    let cut = |(port, value): (&str, &Value)| match value.grid() {
+    let cut = |(port, value): (&Name, &Value)| match value.grid() {
         Some(given) if *given != asked(port) => value.wire_type().sample_bytes() * asked(port).len() as u64,
         _ => 0,
     };
     let copies: u64 = wires.iter().map(cut).sum();
     let mut views = Vec::new();
-    for port in kind.inputs() {
-        let windows = node.views(port.name, &grid, terrain).into_iter();
+    for port in kind.inputs.iter() {
+        let windows = node.views(&port.name, &grid, terrain).into_iter();
         for window in windows.map(|w| within_apron(&w, terrain)) {
-            views.extend(inputs(&|_| window).take(port.name).map(|value| (port.name, value)));
+            views.extend(inputs(&|_| window).take(&port.name).map(|value| (port.name.clone(), value)));
         }
     }
     cx.views = &views;
@@ -150,7 +151,7 @@ fn within_apron(window: &Grid, terrain: &Terrain) -> Grid {
 /// Small things that nobody counts: names, rows of pointers, a line of work.
 pub(crate) const SMALL: u64 = 48 << 10;
 
-fn fault(kind: &'static Kind, set: &Map<String, Json>, wider: i64) -> Option<String> {
+fn fault(kind: &Kind, set: &Map<String, Json>, wider: i64) -> Option<String> {
     let (said, took) = said_and_taken(kind, set, 257, wider)?;
     let samples = Json::from(set.clone());
     (took > said + SMALL)
@@ -158,7 +159,7 @@ fn fault(kind: &'static Kind, set: &Map<String, Json>, wider: i64) -> Option<Str
 }
 
 /// The parameters that choose between modes, each mode alone and together with those of the others.
-fn modes(kind: &'static Kind) -> Vec<Map<String, Json>> {
+fn modes(kind: &Kind) -> Vec<Map<String, Json>> {
     let choices = kind.params().iter().filter(|p| matches!(p.shape, Shape::Choice(_)));
     let choices: Vec<_> = choices.map(|p| (p.name.clone(), extremes(&p.shape, &p.default))).collect();
     let mut all = vec![Map::new()];
@@ -301,7 +302,8 @@ fn an_import_counts_in_the_plan_with_what_it_decodes() {
     };
     let planned = |interpolation: &str| {
         let g = graph(interpolation);
-        let want = Want { node: g.find("land").unwrap(), port: "height", grid: g.terrain().grid(3).unwrap() };
+        let want =
+            Want { node: g.find("land").unwrap(), port: "height".into(), grid: g.terrain().grid(3).unwrap() };
         engine(1).plan(&g, &[want]).peak_bytes()
     };
     let samples = 20 * 13;

@@ -69,7 +69,7 @@ fn set(path: &str, value: &Json) -> Json {
 fn pages_say_what_stands_in_every_list_and_object() {
     let (mut all, mut told) = (Vec::new(), 0);
     for kind in shipped() {
-        gaps(kind.id, kind.params(), true, &mut all);
+        gaps(&kind.id, kind.params(), true, &mut all);
         let sections = sections(kind.params());
         for p in kind.params().iter().filter(|p| is_structured(&p.shape)) {
             if !sections.iter().any(|s| s.name == p.name) {

@@ -123,6 +123,38 @@ fn plan_says_why_something_cannot_be_made_and_ends_as_build_does() {
     }
 }
 
+/// What will be written is known before anything runs, and is what the build writes.
+#[test]
+fn plan_and_info_say_format_and_quantity() {
+    let mut nodes = hills();
+    nodes["steep"] = json!({ "kind": "select_slope", "in": { "height": "hills.field" } });
+    nodes["tints"] = json!({ "kind": "colorize", "in": { "field": "hills.field" } });
+    let outputs = json!({
+        "height": { "from": "soft.field" }, "engine": { "from": "soft.field", "target": "unity" },
+        "mask": { "from": "steep.mask" }, "slope": { "from": "steep.slope" }, "color": { "from": "tints.colors" },
+    });
+    let desk = Desk::new(nodes, outputs);
+    let said = |json: &[u8]| -> Vec<String> {
+        let json: Json = serde_json::from_slice(json).unwrap();
+        let text =
+            |o: &Json| ["name", "format", "quantity", "unit"].map(|key| o[key].as_str().unwrap()).join(" ");
+        json["outputs"].as_array().unwrap().iter().map(text).collect()
+    };
+    let plan = said(&desk.plan(&["--json"]).stdout);
+    let wanted = [
+        "height exr elevation m",
+        "engine r16 elevation m",
+        "mask png16 mask 1",
+        "slope exr slope deg",
+        "color png8 color 1",
+    ];
+    assert_eq!(plan, wanted);
+    let info = run(&["info", &desk.path("a.graph"), "--json"]);
+    assert_eq!(said(&info.stdout), wanted);
+    desk.build(&["--size", "33"]);
+    assert_eq!(said(&std::fs::read(desk.path("out/report.json")).unwrap()), wanted);
+}
+
 /// The outputs that can be made are planned, with the memory they need, whatever stands beside them.
 #[test]
 fn a_plan_holds_what_can_be_made() {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use orograph::context::{Cancel, Context};
 use orograph::kit::hash;
+use orograph::name::Name;
 use orograph::node::{AnyNode, Kind, Summary};
 use orograph::nodes::Registry;
 use orograph::params::{Param, Shape};
@@ -16,13 +17,13 @@ type Source = dyn Fn(&str, f64, f64) -> f32 + Sync;
 
 /// A node of the family under test.
 struct Case {
-    kind: &'static Kind,
+    kind: Arc<Kind>,
     node: Arc<dyn AnyNode>,
     label: String,
 }
 
 fn case(id: &str, set: Json) -> Case {
-    let kind = Registry::standard().find(id).unwrap_or_else(|| panic!("no kind `{id}`"));
+    let kind = Registry::standard().find(id).cloned().unwrap_or_else(|| panic!("no kind `{id}`"));
     let object = set.as_object().expect("parameters are an object").clone();
     let node = kind.parse(&object).unwrap_or_else(|e| panic!("{id} {set}: {e}"));
     Case { kind, node, label: format!("{id} {set}") }
@@ -39,7 +40,7 @@ impl Case {
         let (cancel, whole) = (Cancel::default(), self.summary(terrain, source));
         let views = self.views(terrain, window, source, clip);
         let cx = Context { whole: whole.as_ref(), ..Context::bare(window, terrain, &cancel) };
-        let cx = Context { reads: self.kind.meta.reads, views: &views, ..cx };
+        let cx = Context { reads: self.kind.reads, views: &views, ..cx };
         self.node.run(&cx, wires).unwrap_or_else(|e| panic!("{}: {e}", self.label))
     }
 
@@ -50,15 +51,16 @@ impl Case {
         window: Grid,
         source: &Source,
         clip: impl Fn(Grid) -> Grid,
-    ) -> Vec<(&'static str, Value)> {
-        let value = |name: &'static str, grid: Grid| {
+    ) -> Vec<(Name, Value)> {
+        let value = |name: &Name, grid: Grid| {
             let field = Field::from_fn(clip(grid), Quantity::Number, |x, y| source(name, x, y));
-            (name, Value::Field(field))
+            (name.clone(), Value::Field(field))
         };
-        let of = |name: &'static str| {
+        let ports = self.kind.inputs.iter().map(|p| &p.name);
+        let windows = ports.flat_map(|name| {
             self.node.views(name, &window, terrain).into_iter().map(move |grid| (name, grid))
-        };
-        self.kind.inputs().flat_map(|p| of(p.name)).map(|(name, grid)| value(name, grid)).collect()
+        });
+        windows.map(|(name, grid)| value(name, grid)).collect()
     }
 
     fn run(&self, terrain: &Terrain, window: Grid, source: &Source) -> Wires {
@@ -66,9 +68,9 @@ impl Case {
     }
 
     fn inputs(&self, source: &Source, grid: impl Fn(&str) -> Grid) -> Wires {
-        let ports = self.kind.inputs().filter(|p| p.name != "mask" || self.kind.meta.mixes.is_empty());
+        let ports = self.kind.inputs.iter().filter(|p| p.name != "mask" || self.kind.mixes.is_empty());
         let field = |name: &str| Field::from_fn(grid(name), Quantity::Number, |x, y| source(name, x, y));
-        ports.map(|p| (p.name, Value::Field(field(p.name)))).collect()
+        ports.map(|p| (p.name.clone(), Value::Field(field(&p.name)))).collect()
     }
 
     fn summary(&self, terrain: &Terrain, source: &Source) -> Option<Summary> {
@@ -494,7 +496,7 @@ fn ranges_that_are_turned_around_are_refused() {
         ("select_curvature", json!({ "low": 0.2, "high": 0.1 })),
         ("colorize", json!({ "range": { "fixed": { "low": 5.0, "high": 5.0 } } })),
     ] {
-        let kind = Registry::standard().find(id).unwrap();
+        let kind = Registry::standard().find(id).cloned().unwrap();
         let error = kind.parse(set.as_object().unwrap()).unwrap_err().to_string();
         assert!(error.contains("low") && error.contains("high"), "{id}: {error}");
     }
@@ -742,13 +744,15 @@ fn every_allowed_parameter_gives_finite_fields() {
     let flat = |_: &str, _: f64, _: f64| 0.0f32;
     let sources: [&Source; 4] = [&spike, &steep, &flat, &ground];
     let mut tried = 0;
-    for kind in Registry::standard().iter().filter(|k| k.family == "select") {
+    let registry = Registry::standard();
+    for kind in registry.iter().filter(|k| k.family == "select") {
         for param in kind.params() {
             for value in extremes(param) {
                 let set = Map::from_iter([(param.name.clone(), value.clone())]);
                 // An end that turns a range around is refused, which is the other test's concern.
                 let Ok(node) = kind.parse(&set) else { continue };
-                let case = Case { kind, node, label: format!("{} {} {value}", kind.id, param.name) };
+                let case =
+                    Case { kind: kind.clone(), node, label: format!("{} {} {value}", kind.id, param.name) };
                 for (source, grid) in (0..8).map(|i| (sources[i / 2], [grid, fine][i % 2])) {
                     for (port, value) in case.run_in(&terrain, grid, source, 3200.0).iter() {
                         assert_eq!(value.first_not_finite(), None, "{} `{port}`", case.label);

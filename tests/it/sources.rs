@@ -287,7 +287,7 @@ fn decoded_files_are_accounted_and_let_go() {
     let before = std::time::SystemTime::now() - hour;
     std::fs::File::options().append(true).open(&path).unwrap().set_modified(before).unwrap();
     let g = graph(json!({ "file": { "kind": "import_height", "set": { "file": "a.r32" } } }));
-    let wants = [Want { port: "height", ..want(&g, "file", small(&g)) }];
+    let wants = [Want { port: "height".into(), ..want(&g, "file", small(&g)) }];
     let bytes = 257 * 257 * 4;
     let roomy = engine(folder.path(), Options::default(), false);
     let run = |e: &Engine| {

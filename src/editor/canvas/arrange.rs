@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::layout::{Layout, WIDTH};
 use crate::graph::{Graph, NodeId, Problem};
+use crate::name::Name;
 
 /// Free room between two columns, and between two nodes of one.
 const GAP: [f32; 2] = [68.0, 24.0];
@@ -15,9 +16,9 @@ const SWEEPS: usize = 6;
 pub(crate) fn columns(graph: &mut Graph, nodes: &BTreeSet<NodeId>) -> Result<(), Problem> {
     let places = places(graph, nodes);
     for (id, at) in places {
-        let inner: Vec<_> = graph.inputs(id).map(|(input, _)| input).collect();
+        let inner: Vec<Name> = graph.inputs(id).map(|(input, _)| input.clone()).collect();
         for input in inner {
-            graph.set_bends(id, input, Vec::new())?;
+            graph.set_bends(id, &input, Vec::new())?;
         }
         graph.move_to(id, at)?;
     }

@@ -13,6 +13,8 @@ use super::{Canvas, Desk, paint, wires};
 use crate::editor::ops::{self, End};
 use crate::editor::theme;
 use crate::graph::{Graph, NodeId, Problem};
+use crate::name::Name;
+use crate::ports::Port;
 
 /// How near a port the pointer counts as on it, in points of the screen.
 const NEAR: f32 = 16.0;
@@ -20,7 +22,7 @@ const NEAR: f32 = 16.0;
 /// Where a wire would go if it were let go.
 struct Landing {
     /// The output's node and port, then the input's.
-    wire: (NodeId, &'static str, NodeId, &'static str),
+    wire: (NodeId, Name, NodeId, Name),
     fits: Result<(), Problem>,
 }
 
@@ -40,7 +42,7 @@ impl Canvas {
                 ui.painter().rect_filled(area, 0.0, theme::CHOSEN.gamma_multiply(0.08));
                 ui.painter().rect_stroke(area, 0.0, Stroke::new(1.0, theme::CHOSEN), StrokeKind::Inside);
             }
-            Gesture::Wire { end, .. } => self.wire_in_hand(ui, view, layouts, *end, desk),
+            Gesture::Wire { end, .. } => self.wire_in_hand(ui, view, layouts, end, desk),
             Gesture::Move { .. } => {
                 if let Some(course) = self.wire_below(view, courses, desk.graph()) {
                     let stroke = Stroke::new(4.0, theme::CHOSEN);
@@ -50,7 +52,7 @@ impl Canvas {
             _ => (),
         }
         if let Some(search) = &self.search
-            && let Some(end) = search.end
+            && let Some(end) = &search.end
             && let Some((from, forward)) = port_of(end, layouts)
         {
             let points = if forward { [from, search.at] } else { [search.at, from] };
@@ -64,7 +66,7 @@ impl Canvas {
         ui: &Ui,
         view: &View,
         layouts: &BTreeMap<NodeId, Layout>,
-        end: End,
+        end: &End,
         desk: &Desk<'_>,
     ) {
         let Some((from, forward)) = port_of(end, layouts) else { return };
@@ -86,49 +88,45 @@ impl Canvas {
         &self,
         view: &View,
         layouts: &BTreeMap<NodeId, Layout>,
-        end: End,
+        end: &End,
         graph: &Graph,
     ) -> Option<Landing> {
         let reach = NEAR / view.zoom();
         let pins = layouts.iter().flat_map(|(id, l)| {
             let pins = if matches!(end, End::From(_)) { &l.inputs } else { &l.outputs };
-            pins.iter().map(move |(port, at)| (at.distance(self.pointer), *id, port.name))
+            pins.iter().map(move |(port, at)| (at.distance(self.pointer), *id, &port.name))
         });
         let near = pins.filter(|(away, ..)| *away < reach).min_by(|a, b| a.0.total_cmp(&b.0));
         let (id, port) = match near {
-            Some((_, id, port)) => (id, port),
+            Some((_, id, port)) => (id, port.clone()),
             None => self.body(layouts, end, graph)?,
         };
         let wire = match end {
-            End::From(source) => (source.node, source.port, id, port),
-            End::To(node, input) => (id, port, node, input),
+            End::From(source) => (source.node, source.port.clone(), id, port),
+            End::To(node, input) => (id, port, *node, input.clone()),
         };
-        Some(Landing { wire, fits: graph.can_connect(wire.0, wire.1, wire.2, wire.3) })
+        let fits = graph.can_connect(wire.0, &wire.1, wire.2, &wire.3);
+        Some(Landing { wire, fits })
     }
 
     /// The node whose body the pointer is on, with the port that fits best: a free one before one in use.
-    fn body(
-        &self,
-        layouts: &BTreeMap<NodeId, Layout>,
-        end: End,
-        graph: &Graph,
-    ) -> Option<(NodeId, &'static str)> {
+    fn body(&self, layouts: &BTreeMap<NodeId, Layout>, end: &End, graph: &Graph) -> Option<(NodeId, Name)> {
         let (&id, _) = layouts.iter().rev().find(|(_, l)| l.rect.contains(self.pointer))?;
         let own = match end {
             End::From(source) => source.node,
-            End::To(node, _) => node,
+            End::To(node, _) => *node,
         };
         let kind = graph.get(id).filter(|_| id != own)?.kind()?;
         let wire = end.wire(graph)?;
-        let free = |p: &&'static crate::ports::Port| graph.source(id, p.name).is_none();
+        let free = |p: &&Port| graph.source(id, &p.name).is_none();
         let port = match end {
             End::From(_) => {
-                let fitting = || kind.inputs().filter(|p| p.wire == wire);
-                fitting().find(free).or_else(|| fitting().next()).or_else(|| kind.inputs().next())
+                let fitting = || kind.inputs.iter().filter(|p| p.wire == wire);
+                fitting().find(free).or_else(|| fitting().next()).or_else(|| kind.inputs.first())
             }
             End::To(..) => kind.outputs.iter().find(|p| p.wire == wire).or(kind.outputs.first()),
         };
-        Some((id, port?.name))
+        Some((id, port?.name.clone()))
     }
 
     /// The wire that a single node would be put into where it is now.
@@ -137,7 +135,7 @@ impl Canvas {
         let (Some(&id), 1) = (nodes.iter().next(), nodes.len()) else { return None };
         let lonely = graph.inputs(id).next().is_none() && graph.consumers(id).next().is_none();
         let (course, _) = wires::under(courses, view, self.pointer).filter(|_| lonely)?;
-        ops::between(graph, id, course.source, course.to).map(|_| course)
+        ops::between(graph, id, &course.source, course.to).map(|_| course)
     }
 
     /// Ends the gesture when the hand lets go.
@@ -167,22 +165,22 @@ impl Canvas {
                 desk.edit(&label, |g| {
                     ops::shift(g, &nodes, &notes, by)?;
                     match (below, nodes.first()) {
-                        (Some(c), Some(&id)) => ops::insert(g, id, c.source, c.to, c.input),
+                        (Some(c), Some(&id)) => ops::insert(g, id, &c.source, c.to, &c.input),
                         _ => Ok(()),
                     }
                 });
             }
             Gesture::Wire { end, taken } => {
-                let landing = self.landing(view, layouts, end, desk.graph());
+                let landing = self.landing(view, layouts, &end, desk.graph());
                 self.land(view, end, taken, landing, desk);
             }
             Gesture::Bend { node, input, index } => {
                 let at = self.snapped(self.pointer);
-                let mut bends = desk.graph().bends(node, input).to_vec();
+                let mut bends = desk.graph().bends(node, &input).to_vec();
                 if let Some(bend) = bends.get_mut(index) {
                     *bend = [f64::from(at.x), f64::from(at.y)];
                 }
-                desk.edit("Move bend", |g| g.set_bends(node, input, bends));
+                desk.edit("Move bend", |g| g.set_bends(node, &input, bends));
             }
             Gesture::Resize { name, size } => {
                 let Some(note) = desk.graph().note(&name).cloned() else { return };
@@ -196,25 +194,25 @@ impl Canvas {
         &mut self,
         view: &View,
         end: End,
-        taken: Option<(NodeId, &'static str)>,
+        taken: Option<(NodeId, Name)>,
         landing: Option<Landing>,
         desk: &mut Desk<'_>,
     ) {
         match landing {
             Some(Landing { wire: (from, output, to, input), fits: Ok(()) }) => {
-                if taken == Some((to, input)) {
+                if taken.as_ref() == Some(&(to, input.clone())) {
                     return;
                 }
                 desk.edit("Connect", |g| {
                     if let Some((node, old)) = taken {
-                        g.disconnect(node, old)?;
+                        g.disconnect(node, &old)?;
                     }
-                    g.connect(from, output, to, input)
+                    g.connect(from, &output, to, &input)
                 });
             }
             Some(Landing { fits: Err(problem), .. }) => desk.notices.problem(&problem),
             None => match taken {
-                Some((node, input)) => _ = desk.edit("Cut wire", |g| g.disconnect(node, input)),
+                Some((node, input)) => _ = desk.edit("Cut wire", |g| g.disconnect(node, &input)),
                 None => self.search = Some(Search::new(view.pos(self.pointer), self.pointer, Some(end))),
             },
         }
@@ -222,9 +220,9 @@ impl Canvas {
 }
 
 /// Where the port at the fixed end of a wire is, and whether the wire leaves it forwards.
-fn port_of(end: End, layouts: &BTreeMap<NodeId, Layout>) -> Option<(eframe::egui::Pos2, bool)> {
+fn port_of(end: &End, layouts: &BTreeMap<NodeId, Layout>) -> Option<(eframe::egui::Pos2, bool)> {
     match end {
-        End::From(source) => Some((layouts.get(&source.node)?.output(source.port)?, true)),
-        End::To(node, input) => Some((layouts.get(&node)?.input(input)?, false)),
+        End::From(source) => Some((layouts.get(&source.node)?.output(&source.port)?, true)),
+        End::To(node, input) => Some((layouts.get(node)?.input(input)?, false)),
     }
 }

@@ -7,6 +7,7 @@ use eframe::egui::{Pos2, Vec2, vec2};
 use super::{Chosen, GRID};
 use crate::editor::ops::End;
 use crate::graph::{Graph, NodeId};
+use crate::name::Name;
 
 /// A gesture; the document changes when it ends.
 #[derive(Clone, Debug, Default)]
@@ -19,9 +20,9 @@ pub(super) enum Gesture {
     /// Moves what is chosen; the grabbed corner snaps.
     Move { from: Pos2, corner: Pos2, by: Vec2, nodes: BTreeSet<NodeId>, notes: BTreeSet<String> },
     /// Pulls a wire; perhaps one that was taken from an input.
-    Wire { end: End, taken: Option<(NodeId, &'static str)> },
+    Wire { end: End, taken: Option<(NodeId, Name)> },
     /// Moves a bend of a wire.
-    Bend { node: NodeId, input: &'static str, index: usize },
+    Bend { node: NodeId, input: Name, index: usize },
     /// Moves the lower right corner of a note.
     Resize { name: String, size: Vec2 },
 }

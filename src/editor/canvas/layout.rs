@@ -19,7 +19,7 @@ const PAD: f32 = 7.0;
 pub(crate) const NOTE_HEAD: f32 = 24.0;
 
 /// A port with its place.
-pub(crate) type Pin = (&'static Port, Pos2);
+pub(crate) type Pin = (Port, Pos2);
 
 /// Where the parts of a node are.
 #[derive(Clone, Debug)]
@@ -33,16 +33,16 @@ pub(crate) struct Layout {
 impl Layout {
     pub(crate) fn of(node: &GraphNode) -> Self {
         let kind = node.kind();
-        let inputs: Vec<_> = kind.into_iter().flat_map(|k| k.inputs()).collect();
-        let outputs: Vec<_> = kind.into_iter().flat_map(|k| k.outputs).collect();
+        let inputs = kind.map_or(&[][..], |k| &k.inputs);
+        let outputs = kind.map_or(&[][..], |k| &k.outputs);
         let rows = inputs.len().max(outputs.len()) as f32;
         let at = place(node.at);
         let body = (rows * ROW).max(PICTURE) + 2.0 * PAD;
         let rect = Rect::from_min_size(at, vec2(WIDTH, HEAD + body));
         let middle = pos2(rect.center().x, at.y + HEAD + 0.5 * body);
-        let pins = |ports: Vec<&'static Port>, x: f32| -> Vec<Pin> {
+        let pins = |ports: &[Port], x: f32| -> Vec<Pin> {
             let y = |i: usize| at.y + HEAD + PAD + (i as f32 + 0.5) * ROW;
-            ports.into_iter().enumerate().map(|(i, port)| (port, pos2(x, y(i)))).collect()
+            ports.iter().enumerate().map(|(i, port)| (port.clone(), pos2(x, y(i)))).collect()
         };
         Self {
             rect,

@@ -324,7 +324,7 @@ impl Canvas {
                 });
                 let at = [f64::from(at.x), f64::from(at.y)];
                 let label = format!("Add {}", kind.id);
-                if let Some(id) = desk.edit(&label, |g| ops::add(g, kind, at, search.end)) {
+                if let Some(id) = desk.edit(&label, |g| ops::add(g, &kind, at, search.end)) {
                     self.chosen = Chosen::only(id);
                 }
             }

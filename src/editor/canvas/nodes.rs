@@ -9,7 +9,7 @@ use super::gesture::Gesture;
 use super::layout::Layout;
 use super::{Canvas, Chosen, Desk, Wishes, menu, paint};
 use crate::editor::ops::End;
-use crate::graph::{NodeId, Source};
+use crate::graph::{Graph, NodeId, Source};
 use crate::ports::Port;
 
 /// Below this enlargement ports cannot be hit and are not offered.
@@ -123,34 +123,45 @@ impl Canvas {
         ui: &Ui,
         view: &View,
         id: NodeId,
-        port: &'static Port,
+        port: &Port,
         at: Pos2,
         side: &'static str,
         desk: &Desk<'_>,
     ) -> Option<Gesture> {
         let size = (15.0 * view.zoom()).clamp(9.0, 26.0);
         let rect = Rect::from_center_size(view.pos(at), vec2(size, size));
-        let response = ui.interact(rect, port_id(id, side, port.name), Sense::click_and_drag());
+        let response = ui.interact(rect, port_id(id, side, &port.name), Sense::click_and_drag());
         let graph = desk.graph();
         let label = format!("{side} {}.{}", graph.node(id).name, port.name);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label));
         let started = response.drag_started_by(PointerButton::Primary);
         if !started && matches!(self.gesture, Gesture::None) {
             response.on_hover_ui(|ui| {
-                ui.strong(format!("{} · {}", port.name, port.wire.name()));
-                ui.label(port.doc);
+                ui.strong(named(graph, id, port, side));
+                ui.label(port.doc.as_str());
             });
         }
         if !started {
             return None;
         }
         let wire = |end, taken| Some(Gesture::Wire { end, taken });
-        match (side, graph.source(id, port.name)) {
-            ("output", _) => wire(End::From(Source { node: id, port: port.name }), None),
+        match (side, graph.source(id, &port.name)) {
+            ("output", _) => wire(End::From(Source { node: id, port: port.name.clone() }), None),
             // A wire that is there is taken by its end.
-            (_, Some(source)) => wire(End::From(source), Some((id, port.name))),
-            (_, None) => wire(End::To(id, port.name), None),
+            (_, Some(source)) => wire(End::From(source), Some((id, port.name.clone()))),
+            (_, None) => wire(End::To(id, port.name.clone()), None),
         }
+    }
+}
+
+/// What is said of a port: its name, the type of its wire and what the numbers on it mean.
+fn named(graph: &Graph, id: NodeId, port: &Port, side: &str) -> String {
+    let (name, wire) = (&port.name, port.wire.name());
+    let own = || Source { node: id, port: name.clone() };
+    let source = if side == "output" { Some(own()) } else { graph.source(id, name) };
+    match source.and_then(|source| graph.quantity(&source)) {
+        Some(quantity) => format!("{name} · {wire} · {}", quantity.described()),
+        None => format!("{name} · {wire}"),
     }
 }
 

@@ -71,7 +71,7 @@ pub(super) fn node(ui: &Ui, view: &View, id: NodeId, layout: &Layout, look: &Nod
     let faded = |c: Color32| if node.bypass { c.gamma_multiply(0.45) } else { c };
     painter.rect_filled(rect.translate(vec2(2.0, 3.0) * zoom), round, Color32::from_black_alpha(70));
     painter.rect_filled(rect, round, faded(ui.visuals().window_fill()));
-    let family = node.kind().map_or("", |k| k.family);
+    let family = node.kind().map_or("", |k| k.family.as_str());
     let head = view.rect(layout.head());
     let top = eframe::egui::CornerRadius { nw: round as u8, ne: round as u8, sw: 0, se: 0 };
     painter.rect_filled(head, top, faded(theme::family_color(family, dark)));
@@ -132,7 +132,7 @@ fn texts(ui: &Ui, painter: &Painter, view: &View, layout: &Layout, node: &GraphN
         [(&layout.inputs, 9.0, Align2::LEFT_CENTER), (&layout.outputs, -9.0, Align2::RIGHT_CENTER)]
     {
         for (port, at) in pins {
-            painter.text(view.pos(*at + vec2(side, 0.0)), align, port.name, font.clone(), color);
+            painter.text(view.pos(*at + vec2(side, 0.0)), align, &port.name, font.clone(), color);
         }
     }
 }
@@ -143,7 +143,7 @@ fn pins(painter: &Painter, view: &View, layout: &Layout, id: NodeId, desk: &Desk
         painter.add(theme::pin(port.wire, view.pos(*at), radius, filled));
     };
     for pin in &layout.inputs {
-        one(pin, desk.graph().source(id, pin.0.name).is_some());
+        one(pin, desk.graph().source(id, &pin.0.name).is_some());
     }
     for pin in &layout.outputs {
         one(pin, true);

@@ -1,11 +1,14 @@
 //! The search for kinds: opened anywhere, or by a wire that was dropped on empty space.
 
+use std::sync::Arc;
+
 use eframe::egui::{self, Key, Pos2, Rect, RichText, Ui, vec2};
 
 use crate::editor::fuzzy;
 use crate::editor::inspector::named_text;
 use crate::editor::ops::End;
 use crate::graph::Graph;
+use crate::name::Name;
 use crate::node::Kind;
 
 /// Kinds shown at once, at most.
@@ -28,7 +31,7 @@ pub(crate) struct Search {
 pub(crate) enum Found {
     Nothing,
     Closed,
-    Kind(&'static Kind),
+    Kind(Arc<Kind>),
 }
 
 impl Search {
@@ -37,19 +40,20 @@ impl Search {
     }
 
     /// The kinds that fit the wire and the letters, best first.
-    pub(crate) fn hits(&self, graph: &Graph) -> Vec<&'static Kind> {
-        let fits = |k: &&'static Kind| self.end.is_none_or(|end| end.port_of(graph, k).is_some());
+    pub(crate) fn hits(&self, graph: &Graph) -> Vec<Arc<Kind>> {
+        let fits = |k: &&Arc<Kind>| self.end.as_ref().is_none_or(|end| end.port_of(graph, k).is_some());
         let query = self.query.trim();
-        let words = |k: &'static Kind| k.meta.keywords.iter().copied().chain([k.family]);
-        let score = |k: &'static Kind| fuzzy::best(query, k.id, words(k));
+        let score = |k: &Kind| {
+            fuzzy::best(query, &k.id, k.keywords.iter().map(Name::as_str).chain([k.family.as_str()]))
+        };
         let kinds = graph.registry().iter().filter(fits);
         let mut found: Vec<_> = kinds.filter_map(|k| Some((score(k)?, k))).collect();
         if query.is_empty() {
-            found.sort_by_key(|(_, k)| (k.family, k.id));
+            found.sort_by(|(_, a), (_, b)| (&a.family, &a.id).cmp(&(&b.family, &b.id)));
         } else {
-            found.sort_by_key(|(score, k)| (-score, k.id));
+            found.sort_by(|(p, a), (q, b)| q.cmp(p).then_with(|| a.id.cmp(&b.id)));
         }
-        found.into_iter().map(|(_, k)| k).take(SHOWN).collect()
+        found.into_iter().map(|(_, k)| k.clone()).take(SHOWN).collect()
     }
 
     pub(crate) fn show(&mut self, ui: &Ui, bounds: Rect, graph: &Graph) -> Found {
@@ -77,7 +81,7 @@ impl Search {
         found
     }
 
-    fn contents(&mut self, ui: &mut Ui, hits: &[&'static Kind], graph: &Graph) -> Found {
+    fn contents(&mut self, ui: &mut Ui, hits: &[Arc<Kind>], graph: &Graph) -> Found {
         let pressed = |key| ui.input_mut(|i| i.consume_key(egui::Modifiers::NONE, key));
         if pressed(Key::Escape) {
             return Found::Closed;
@@ -89,9 +93,9 @@ impl Search {
             self.chosen = self.chosen.saturating_sub(1);
         }
         if pressed(Key::Enter) {
-            return hits.get(self.chosen).map_or(Found::Closed, |k| Found::Kind(k));
+            return hits.get(self.chosen).map_or(Found::Closed, |k| Found::Kind(k.clone()));
         }
-        let hint = match (self.end, self.end.and_then(|end| end.wire(graph))) {
+        let hint = match (&self.end, self.end.as_ref().and_then(|end| end.wire(graph))) {
             (Some(End::From(_)), Some(wire)) => format!("What takes {}", wire.name()),
             (Some(End::To(..)), Some(wire)) => format!("What gives {}", wire.name()),
             _ => "Search nodes".to_owned(),
@@ -113,13 +117,13 @@ impl Search {
         scroll.show(ui, |ui| self.list(ui, hits)).inner.map_or(Found::Nothing, Found::Kind)
     }
 
-    fn list(&mut self, ui: &mut Ui, hits: &[&'static Kind]) -> Option<&'static Kind> {
+    fn list(&mut self, ui: &mut Ui, hits: &[Arc<Kind>]) -> Option<Arc<Kind>> {
         let mut picked = None;
-        for (i, &kind) in hits.iter().enumerate() {
+        for (i, kind) in hits.iter().enumerate() {
             let own = i == self.chosen;
             let row = ui.horizontal(|ui| {
-                let name = ui.selectable_label(own, RichText::new(kind.id).strong());
-                ui.weak(kind.family);
+                let name = ui.selectable_label(own, RichText::new(kind.id.as_str()).strong());
+                ui.weak(kind.family.as_str());
                 name
             });
             if own {
@@ -130,7 +134,7 @@ impl Search {
             }
             let name = row.inner.on_hover_text(kind.summary());
             if name.clicked() {
-                picked = Some(kind);
+                picked = Some(kind.clone());
             }
         }
         picked

@@ -6,6 +6,7 @@ use eframe::egui::{Color32, Pos2, Shape, Stroke, Vec2, vec2};
 use super::camera::View;
 use super::layout::{Layout, place};
 use crate::graph::{Graph, NodeId, Source};
+use crate::name::Name;
 use crate::value::WireType;
 
 /// A wire between two nodes, on the canvas.
@@ -13,7 +14,7 @@ use crate::value::WireType;
 pub(crate) struct Course {
     pub(crate) source: Source,
     pub(crate) to: NodeId,
-    pub(crate) input: &'static str,
+    pub(crate) input: Name,
     pub(crate) wire: WireType,
     /// From the source through the bends to the input.
     pub(crate) points: Vec<Pos2>,
@@ -26,11 +27,11 @@ pub(crate) fn courses<'a>(
     layout: impl Fn(NodeId) -> Option<&'a Layout>,
 ) -> Vec<Course> {
     let Some(own) = layout(id) else { return Vec::new() };
-    let course = |(input, source): (&'static str, Source)| {
-        let from = layout(source.node)?.output(source.port)?;
+    let course = |(input, source): (&Name, Source)| {
+        let from = layout(source.node)?.output(&source.port)?;
         let bends = graph.bends(id, input).iter().map(|at| place(*at));
         let points = [from].into_iter().chain(bends).chain([own.input(input)?]).collect();
-        Some(Course { source, to: id, input, wire: graph.wire_type(source)?, points })
+        Some(Course { wire: graph.wire_type(&source)?, source, to: id, input: input.clone(), points })
     };
     graph.inputs(id).filter_map(course).collect()
 }

@@ -63,14 +63,15 @@ impl Canvas {
 
     /// Whether a hand has taken the end of a wire away from its input.
     fn is_taken(&self, course: &Course) -> bool {
-        matches!(self.gesture, Gesture::Wire { taken: Some(at), .. } if at == (course.to, course.input))
+        matches!(&self.gesture, Gesture::Wire { taken: Some((node, input)), .. }
+            if (*node, input) == (course.to, &course.input))
     }
 
     /// The points of a wire, with the bend that is being moved under the pointer.
     fn bent(&self, course: &Course) -> Vec<egui::Pos2> {
         let mut points = course.points.clone();
-        if let Gesture::Bend { node, input, index } = self.gesture
-            && (node, input) == (course.to, course.input)
+        if let Gesture::Bend { node, ref input, index } = self.gesture
+            && (node, input) == (course.to, &course.input)
             && let Some(point) = points.get_mut(index + 1)
         {
             *point = self.snapped(self.pointer);
@@ -80,17 +81,17 @@ impl Canvas {
 
     fn hover(&self, ui: &Ui, course: &Course, piece: usize, ground: &Response, desk: &mut Desk<'_>) {
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
-        let (from, to) = (desk.graph().source_text(course.source), course.to);
+        let (from, to) = (desk.graph().source_text(&course.source), course.to);
         let name = desk.graph().node(to).name.clone();
         if ui.input(|i| i.modifiers.alt) && ground.clicked() {
-            desk.edit("Cut wire", |g| g.disconnect(to, course.input));
+            desk.edit("Cut wire", |g| g.disconnect(to, &course.input));
             return;
         }
         if ground.double_clicked() {
             let at = self.snapped(self.pointer);
-            let mut bends = desk.graph().bends(to, course.input).to_vec();
+            let mut bends = desk.graph().bends(to, &course.input).to_vec();
             bends.insert(piece.min(bends.len()), [f64::from(at.x), f64::from(at.y)]);
-            desk.edit("Bend wire", |g| g.set_bends(to, course.input, bends));
+            desk.edit("Bend wire", |g| g.set_bends(to, &course.input, bends));
             return;
         }
         ground.clone().on_hover_ui_at_pointer(|ui| {
@@ -100,13 +101,13 @@ impl Canvas {
     }
 
     fn bends(&mut self, ui: &Ui, view: &View, course: &Course, desk: &mut Desk<'_>) {
-        let bends = desk.graph().bends(course.to, course.input).to_vec();
+        let bends = desk.graph().bends(course.to, &course.input).to_vec();
         for (index, at) in bends.iter().enumerate() {
-            let moving = matches!(self.gesture, Gesture::Bend { node, input, index: i }
-                if (node, input, i) == (course.to, course.input, index));
+            let moving = matches!(self.gesture, Gesture::Bend { node, ref input, index: i }
+                if (node, input, i) == (course.to, &course.input, index));
             let at = view.pos(if moving { self.snapped(self.pointer) } else { place(*at) });
             let rect = Rect::from_center_size(at, vec2(14.0, 14.0));
-            let id = Id::new(("bend", course.to, course.input, index));
+            let id = Id::new(("bend", course.to, &course.input, index));
             let response = ui.interact(rect, id, Sense::click_and_drag());
             let name = format!("bend {index} of {}.{}", desk.graph().node(course.to).name, course.input);
             response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &name));
@@ -118,12 +119,12 @@ impl Canvas {
                 Stroke::new(1.0, Color32::from_black_alpha(140)),
             );
             if response.drag_started_by(PointerButton::Primary) {
-                self.gesture = Gesture::Bend { node: course.to, input: course.input, index };
+                self.gesture = Gesture::Bend { node: course.to, input: course.input.clone(), index };
             }
             if response.double_clicked() {
                 let mut bends = bends.clone();
                 bends.remove(index);
-                desk.edit("Straighten wire", |g| g.set_bends(course.to, course.input, bends));
+                desk.edit("Straighten wire", |g| g.set_bends(course.to, &course.input, bends));
             }
         }
     }

@@ -100,7 +100,7 @@ impl Drawing {
         let node = self.known.as_ref()?.node;
         let is_mask = self.tool == Tool::Brush && matches!(self.sheet()?, Sheet::Strokes(_));
         let port = graph.get(node)?.kind()?.outputs.first()?;
-        is_mask.then_some(Source { node, port: port.name })
+        is_mask.then(|| Source { node, port: port.name.clone() })
     }
 
     /// Takes all strokes away.

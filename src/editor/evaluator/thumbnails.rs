@@ -33,7 +33,7 @@ impl Shared {
             }
             // A node that is left out shows what it passes on.
             let port = graph.get(id).and_then(|n| n.kind()?.outputs.first());
-            let passed = port.and_then(|p| graph.passed(Source { node: id, port: p.name }));
+            let passed = port.and_then(|p| graph.passed(Source { node: id, port: p.name.clone() }));
             let Some(key) = passed.and_then(|s| keys.get(&s.node)) else { continue };
             if lock(&self.board).lacks(id, *key) {
                 self.thumbnail(engine, graph, id, *key, grid, cancel)?;
@@ -52,7 +52,7 @@ impl Shared {
         cancel: &Cancel,
     ) -> Result<(), Stopped> {
         let Some(port) = graph.get(id).and_then(|n| n.kind()?.outputs.first()) else { return Ok(()) };
-        let want = [Want { node: id, port: port.name, grid }];
+        let want = [Want { node: id, port: port.name.clone(), grid }];
         let plan = engine.plan(graph, &want);
         if plan.run_seconds() > SECONDS || engine.admit(&plan).is_err() {
             return Ok(());

@@ -54,7 +54,7 @@ impl Shared {
         scene: &Scenery,
         cancel: &Cancel,
     ) -> Result<(), Stopped> {
-        let made = Made { state: order.state, scene: *scene };
+        let made = Made { state: order.state, scene: scene.clone() };
         let (stands, is_made) = {
             let board = lock(&self.board);
             (board.stands(&made, order.light), board.is_made(&made))
@@ -137,12 +137,12 @@ impl Shared {
         let like = |v: &Value| v.quantity() == found.value.quantity();
         let range = |v: &Value| value_range(&found.value).filter(|_| like(v));
         let against = found.against.as_ref().map(|v| shown(v, range(v))).transpose()?;
-        let made = (!draft).then_some(Made { state: order.state, scene: *scene });
+        let made = (!draft).then_some(Made { state: order.state, scene: scene.clone() });
         // Where the light is soon there, the picture comes with it and not before it.
         let small = grid.cols.max(grid.rows) <= LIT_SOON;
         let lit = order.light.filter(|_| small).map(|light| pictures(&found, light, cancel)).transpose()?;
         self.tell(|board| {
-            board.show(*scene, main, against, made);
+            board.show(scene.clone(), main, against, made);
             if let (Some(light), Some(lit)) = (order.light, lit) {
                 board.take_light(light, lit);
             }
@@ -192,8 +192,8 @@ impl Shared {
         }
         let mut values = values.into_iter();
         let Some(value) = values.next().flatten() else { return Ok(None) };
-        let mut next = |wanted: Option<Source>| wanted.and_then(|_| values.next().flatten());
-        let [against, drape, tint] = [scene.against, scene.drape, scene.tint].map(&mut next);
+        let mut next = |wanted: &Option<Source>| wanted.as_ref().and_then(|_| values.next().flatten());
+        let [against, drape, tint] = [&scene.against, &scene.drape, &scene.tint].map(&mut next);
         Ok(Some(Found { value, against, drape, tint, effective_cell, fault }))
     }
 
@@ -219,7 +219,7 @@ impl Shared {
         let Some(grid) = order.detail else { return Ok(()) };
         let whole = lock(&self.board).shown.as_ref().and_then(|s| value_range(&s.value));
         let Some(range) = whole else { return Ok(()) };
-        let alone = Scenery { against: None, ..*scene };
+        let alone = Scenery { against: None, ..scene.clone() };
         let wants = wants(&alone, grid);
         let plan = engine.plan(&order.graph, &wants);
         if engine.admit(&plan).is_err()
@@ -239,7 +239,8 @@ impl Shared {
         let effective_cell = evaluation.effective_cells.first().copied().flatten();
         let mut values = evaluation.values.into_iter().map(Result::ok);
         let Some(value) = values.next().flatten() else { return Ok(()) };
-        let [drape, tint] = [scene.drape, scene.tint].map(|s| s.and_then(|_| values.next().flatten()));
+        let [drape, tint] =
+            [&scene.drape, &scene.tint].map(|s| s.as_ref().and_then(|_| values.next().flatten()));
         let terrain = order.graph.terrain();
         let picture = shade::picture(&value, &scene.look, Some(range), drape.as_ref(), terrain, cancel);
         let picture = shade::tinted(picture.map_err(|_| Stopped)?, tint.as_ref());
@@ -252,8 +253,9 @@ impl Shared {
 
 /// What a view needs: what it shows, what that is compared with, what colours it, what is painted over it.
 fn wants(scene: &Scenery, grid: Grid) -> Vec<Want> {
-    let all = [Some(scene.target), scene.against, scene.drape, scene.tint];
-    all.into_iter().flatten().map(|s| Want { node: s.node, port: s.port, grid }).collect()
+    let others = [&scene.against, &scene.drape, &scene.tint].into_iter().flatten();
+    let all = std::iter::once(&scene.target).chain(others);
+    all.map(|s| Want { node: s.node, port: s.port.clone(), grid }).collect()
 }
 
 /// The pictures under sun and sky of what is shown and of what it is compared with; none where it is no height.

@@ -79,7 +79,7 @@ pub(crate) fn nodes_panel(ui: &mut Ui, panel: &mut Panel<'_>, chosen: &BTreeSet<
         ui.label(format!("`{kind}` is not known to this version. It is kept as it is and cannot run."));
         return;
     };
-    if ids.iter().any(|id| panel.graph().node(*id).kind().map(|k| k.id) != Some(kind.id)) {
+    if ids.iter().any(|id| panel.graph().node(*id).kind().map(|k| &k.id) != Some(&kind.id)) {
         ui.heading(format!("{} nodes", ids.len()));
         ui.weak("Select nodes of one kind to set their parameters together.");
         return;
@@ -90,7 +90,7 @@ pub(crate) fn nodes_panel(ui: &mut Ui, panel: &mut Panel<'_>, chosen: &BTreeSet<
         ui.heading(format!("{} × {}", ids.len(), kind.id));
     }
     ui.horizontal(|ui| {
-        ui.label(RichText::new(kind.id).color(ui.visuals().weak_text_color()));
+        ui.label(RichText::new(kind.id.as_str()).color(ui.visuals().weak_text_color()));
         let help = ui.small_button("?").on_hover_text("What this kind does");
         egui::Popup::menu(&help).width(420.0).show(|ui| page(ui, kind));
     });
@@ -114,7 +114,7 @@ fn problems(ui: &mut Ui, panel: &Panel<'_>, id: NodeId) {
 }
 
 /// The manual page of a kind.
-fn page(ui: &mut Ui, kind: &'static Kind) {
+fn page(ui: &mut Ui, kind: &Kind) {
     egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
         for part in kind.doc().split("\n\n") {
             match part.strip_prefix("# ") {

@@ -86,7 +86,7 @@ fn from(ui: &mut Ui, panel: &Panel<'_>, next: &mut Output) {
         let shown = combo.show_ui(ui, |ui| {
             for id in panel.graph().nodes() {
                 let node = panel.graph().node(id);
-                let ports = node.kind().into_iter().flat_map(|k| k.outputs);
+                let ports = node.kind().into_iter().flat_map(|k| &k.outputs);
                 for port in ports.filter(|p| p.wire.is_raster()) {
                     let text = format!("{}.{}", node.name, port.name);
                     let label = text.clone();

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::FARTHEST;
 use crate::engine::cache::Given;
 use crate::engine::key::Key;
+use crate::name::Name;
 use crate::node::{Kind, Summary};
 use crate::ports::Wires;
 use crate::value::{Grid, Lattice, Quantity, Value};
@@ -72,10 +73,10 @@ impl Entry {
         (sound && cols.checked_mul(rows).is_some() && grid.contains(wanted)).then_some(grid)
     }
 
-    fn value(&self, kind: &Kind, wanted: &Grid, data: Vec<f32>) -> Option<(&'static str, Value)> {
+    fn value(&self, kind: &Kind, wanted: &Grid, data: Vec<f32>) -> Option<(Name, Value)> {
         let port = kind.output(&self.port)?;
         let quantity = Quantity::ALL.into_iter().find(|q| q.name() == self.quantity)?;
-        Some((port.name, Value::from_components(port.wire, self.grid(wanted)?, quantity, data)?))
+        Some((port.name.clone(), Value::from_components(port.wire, self.grid(wanted)?, quantity, data)?))
     }
 }
 

@@ -57,10 +57,10 @@ impl<'a> Chance<'a> {
         }
         // There is no file that a graph by chance may name.
         let reads = |kind: &Kind| kind.params().iter().any(|p| p.widget.as_deref() == Some("file"));
-        let kinds: Vec<_> = Registry::standard().iter().filter(|k| !reads(k)).collect();
+        let kinds: Vec<_> = Registry::standard().iter().filter(|k| !reads(k)).cloned().collect();
         for i in 0..=self.below(MOST_NODES) {
             let Some(kind) = self.one(&kinds) else { break };
-            let Ok(node) = graph.add(&format!("n{i}"), kind.id) else { break };
+            let Ok(node) = graph.add(&format!("n{i}"), &kind.id) else { break };
             self.set(&mut graph, node);
             if !self.wire(&mut graph, node) {
                 // Nothing fits yet: a kind that needs nothing takes its place.
@@ -84,21 +84,21 @@ impl<'a> Chance<'a> {
     /// Connects all inputs that must be and most others to an output of an earlier node that fits; whether all that
     /// must be are.
     fn wire(&mut self, graph: &mut Graph, node: NodeId) -> bool {
-        let Some(kind) = graph.node(node).kind() else { return false };
+        let Some(kind) = graph.node(node).kind().cloned() else { return false };
         let mut whole = true;
         let earlier: Vec<NodeId> = graph.nodes().filter(|&n| n != node).collect();
-        for input in kind.inputs() {
+        for input in kind.inputs.iter() {
             let fits = |&from: &NodeId| {
-                let outputs = graph.node(from).kind().map(|k| k.outputs).unwrap_or_default();
-                outputs.iter().map(move |o| (from, o.name)).collect::<Vec<_>>()
+                let outputs = graph.node(from).kind().map(|k| k.outputs.clone()).unwrap_or_default();
+                outputs.into_iter().map(move |o| (from, o.name)).collect::<Vec<_>>()
             };
             let mut fitting: Vec<_> = earlier.iter().flat_map(fits).collect();
-            fitting.retain(|(from, output)| graph.can_connect(*from, output, node, input.name).is_ok());
+            fitting.retain(|(from, output)| graph.can_connect(*from, output, node, &input.name).is_ok());
             if !input.required && self.below(4) == 3 {
                 continue;
             }
             match self.one(&fitting) {
-                Some(&(from, output)) => whole &= graph.connect(from, output, node, input.name).is_ok(),
+                Some((from, output)) => whole &= graph.connect(*from, output, node, &input.name).is_ok(),
                 None => whole &= !input.required,
             }
         }

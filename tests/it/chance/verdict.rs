@@ -56,8 +56,8 @@ fn engine(threads: usize, keep: Keep) -> Engine {
 }
 
 fn wants(graph: &Graph, grid: Grid) -> Vec<Want> {
-    let outputs = |node| graph.node(node).kind().map(|k| k.outputs).unwrap_or_default();
-    let all = graph.nodes().flat_map(|node| outputs(node).iter().map(move |p| (node, p.name)));
+    let outputs = |node| graph.node(node).kind().map_or(&[][..], |k| &k.outputs);
+    let all = graph.nodes().flat_map(|node| outputs(node).iter().map(move |p| (node, p.name.clone())));
     all.map(|(node, port)| Want { node, port, grid }).collect()
 }
 
@@ -110,9 +110,9 @@ fn same(values: &Values, engine: &Engine, graph: &Graph, wants: &[Want], how: &s
     let again = self::values(wants, &again, &mut Tally::default());
     assert_eq!(values.len(), again.len(), "{how}");
     for (place, value) in values {
-        let Want { node, port, .. } = wants[*place];
+        let Want { node, port, .. } = &wants[*place];
         let made = again.get(place).is_some_and(|again| bits(value) == bits(again));
-        assert!(made, "`{}.{port}` {how}", graph.node(node).name);
+        assert!(made, "`{}.{port}` {how}", graph.node(*node).name);
     }
 }
 

@@ -9,7 +9,7 @@ use serde_json::{Value as Json, json};
 
 fn height(graph: &Json, node: &str, port: &'static str, size: u32) -> Field {
     let g = Graph::from_bytes(graph.to_string().as_bytes(), &Registry::standard()).unwrap();
-    let want = Want { node: g.find(node).unwrap(), port, grid: g.terrain().grid(size).unwrap() };
+    let want = Want { node: g.find(node).unwrap(), port: port.into(), grid: g.terrain().grid(size).unwrap() };
     let engine = Engine::new(&Options { threads: 2, ..Options::default() }, Files::default()).unwrap();
     let all = engine.evaluate(&g, &[want], &Unobserved, &Cancel::default()).unwrap();
     match all.values.into_iter().next().unwrap().unwrap() {

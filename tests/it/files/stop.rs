@@ -107,7 +107,7 @@ fn planning_stops_when_it_is_asked_to() {
     let registry = Registry::standard();
     let graph = Graph::from_bytes(text.as_bytes(), &registry).expect("a graph");
     let node = graph.find("b").expect("there");
-    let wants = [Want { node, port: "field", grid: graph.terrain().base_grid() }];
+    let wants = [Want { node, port: "field".into(), grid: graph.terrain().base_grid() }];
     let engine =
         Engine::new(&Options { threads: 1, ..Options::default() }, Files::default()).expect("starts");
     let cancel = Cancel::default();

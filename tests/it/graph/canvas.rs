@@ -75,9 +75,9 @@ fn a_wrong_note_is_kept_and_stops_nothing() {
 fn what_is_left_out_passes_on_what_it_would_change() {
     let mut graph = chain();
     let [hills, height] = ["hills", "height"].map(|n| graph.find(n).unwrap());
-    let out = Source { node: height, port: "field" };
+    let out = Source { node: height, port: "field".into() };
     graph.set_bypass(height, true).unwrap();
-    assert_eq!(graph.passed(out), Some(Source { node: hills, port: "field" }));
+    assert_eq!(graph.passed(out.clone()), Some(Source { node: hills, port: "field".into() }));
     assert_eq!(file(&graph)["nodes"]["height"]["bypass"], true);
     assert_eq!(errors(&graph), [""; 0]);
     graph.disconnect(height, "a").unwrap();

@@ -32,11 +32,11 @@ fn the_canonical_form_is_the_one_of_the_description() {
     assert_eq!(told(&graph), [""; 0]);
     assert_eq!(canonical(&graph), EXAMPLE);
     let hills = graph.node(id(&graph, "hills"));
-    assert!(matches!(hills.kind, KindRef::Known(k) if k.id == "hills"));
+    assert!(matches!(&hills.kind, KindRef::Known(k) if k.id == "hills"));
     let height = id(&graph, "height");
     assert_eq!(graph.node(height).backend, Backend::Cpu);
     let source = graph.source(height, "b").unwrap();
-    assert_eq!((graph.node(source.node).name.as_str(), source.port), ("plain", "field"));
+    assert_eq!((graph.node(source.node).name.as_str(), source.port.as_str()), ("plain", "field"));
     let output = graph.output("for_unreal").unwrap();
     assert_eq!((output.format, output.range), (Some(Format::Png16), Some([-256.0, 1792.0])));
     assert_eq!(graph.output_source("height").unwrap().node, height);

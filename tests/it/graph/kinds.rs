@@ -197,15 +197,15 @@ kind!(Aged, aged, Meta::new().migrations(AGES), {}, {
 
 /// The kinds of this file beside those of the program.
 pub(super) fn registry() -> Registry {
-    static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
-        vec![
+    static KINDS: LazyLock<Registry> = LazyLock::new(|| {
+        Registry::standard().with([
             Kind::of::<Hills>("test", "hills"),
             Kind::of::<Sum>("test", "sum"),
             Kind::of::<Flow>("test", "flow"),
             Kind::of::<Aged>("test", "aged"),
-        ]
+        ])
     });
-    Registry::standard().with(KINDS.iter())
+    KINDS.clone()
 }
 
 pub(super) fn load(text: &str) -> Graph {

@@ -54,8 +54,9 @@ impl Node for Counted {
 }
 
 fn registry() -> Registry {
-    static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| vec![Kind::of::<Counted>("test", "counted")]);
-    Registry::standard().with(KINDS.iter())
+    static KINDS: LazyLock<Registry> =
+        LazyLock::new(|| Registry::standard().with([Kind::of::<Counted>("test", "counted")]));
+    KINDS.clone()
 }
 
 /// A chain of nodes, the first of which is set by an exposed parameter, and its end.
@@ -89,7 +90,7 @@ fn a_movement_of_a_hand_parses_one_node() {
     let grid = graph.terrain().grid(65).unwrap();
     let look = |graph: &Graph| {
         assert!(graph.problems().is_empty(), "{:?}", graph.problems());
-        let want = Want { node: end, port: "field", grid };
+        let want = Want { node: end, port: "field".into(), grid };
         assert!(engine.plan(graph, &[want]).tasks().len() >= 100);
         assert_eq!(engine.keys(graph, &[end], 0, &Unobserved, &Cancel::default()).unwrap().len(), 1);
     };

@@ -164,7 +164,8 @@ fn seen(graph: &Graph) -> Vec<String> {
     let mut all = told(graph);
     for id in graph.nodes() {
         let node = graph.node(id);
-        let inputs: Vec<_> = graph.inputs(id).map(|(p, s)| format!("{p}={}", graph.source_text(s))).collect();
+        let inputs: Vec<_> =
+            graph.inputs(id).map(|(p, s)| format!("{p}={}", graph.source_text(&s))).collect();
         let parsed = node.parse().map(|n| n.canonical().to_string());
         all.push(format!(
             "{} {:?} {inputs:?} {parsed:?} {:?} {:?}",
@@ -186,7 +187,7 @@ fn seen(graph: &Graph) -> Vec<String> {
     for (name, output) in graph.outputs() {
         all.push(format!(
             "{name} {output:?} {:?}",
-            graph.output_source(name).map(|s| graph.source_text(s)).map_err(|p| p.to_string())
+            graph.output_source(name).map(|s| graph.source_text(&s)).map_err(|p| p.to_string())
         ));
     }
     all
