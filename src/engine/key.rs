@@ -7,6 +7,7 @@
 
 use std::fmt;
 
+use crate::name::Name;
 use crate::node::{AnyNode, FileRequest, Kind, Reach, Reads};
 use crate::source::last_name;
 use crate::value::{Lattice, Terrain};
@@ -71,7 +72,7 @@ pub(super) struct Parts<'a> {
     pub parameters: &'a [u8; 32],
     pub terrain: &'a Terrain,
     /// Port, key of the source node, port of the source.
-    pub inputs: &'a [(&'a str, Key, &'a str)],
+    pub inputs: &'a [(Name, Key, Name)],
     /// What it asked for, and the hash of what was found.
     pub files: &'a [(FileRequest, Option<[u8; 32]>)],
 }

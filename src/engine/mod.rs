@@ -20,6 +20,7 @@ mod mix;
 mod outputs;
 mod plan;
 mod planner;
+mod prepared;
 mod program;
 mod run;
 mod sources;
@@ -38,6 +39,7 @@ pub use plan::{Plan, PlannedTask, Stage};
 pub use run::{Observer, TaskReport, Unobserved};
 
 use cache::{Given, Stock, Store};
+use prepared::Prepared;
 use program::Program;
 use sources::Sources;
 
@@ -150,6 +152,7 @@ pub struct Engine {
     reserve: u64,
     seconds: f64,
     keep: Keep,
+    prepared: Prepared,
 }
 
 impl Engine {
@@ -165,7 +168,8 @@ impl Engine {
             options.cache.as_ref().map(open).transpose().map_err(|e| EngineError::Cache(e.to_string()))?;
         let (memory, reserve, seconds) = (options.memory, options.reserve, options.seconds);
         let store = Store::new(memory.saturating_sub(reserve), disk);
-        Ok(Self { pool, store, files, memory, reserve, seconds, keep: options.keep })
+        let (keep, prepared) = (options.keep, Prepared::default());
+        Ok(Self { pool, store, files, memory, reserve, seconds, keep, prepared })
     }
 
     /// The pool on which nodes run, for work that goes with an evaluation.
@@ -198,6 +202,20 @@ impl Engine {
         self.plan_of(graph, wants, (self.files.sources(), Stock::All), cancel)
     }
 
+    /// The program of some nodes, which takes over what earlier ones made ready.
+    fn program(
+        &self,
+        graph: &Graph,
+        nodes: &[NodeId],
+        sources: Arc<Sources>,
+        cancel: &Cancel,
+    ) -> Result<Arc<Program>, EngineError> {
+        let program = Program::new(graph, nodes, sources, &self.prepared, cancel);
+        let program = program.ok_or(EngineError::Cancelled)?;
+        self.prepared.keep(graph, &program);
+        Ok(Arc::new(program))
+    }
+
     fn plan_of(
         &self,
         graph: &Graph,
@@ -207,7 +225,7 @@ impl Engine {
     ) -> Result<Plan, EngineError> {
         let passed: Vec<_> = wants.iter().map(|w| graph.passed(w.source())).collect();
         let nodes: Vec<NodeId> = passed.iter().flatten().map(|s| s.node).collect();
-        let program = Arc::new(Program::new(graph, &nodes, sources, cancel).ok_or(EngineError::Cancelled)?);
+        let program = self.program(graph, &nodes, sources, cancel)?;
         let find = |(want, passed): (&Want, &Option<Source>)| {
             let step = passed.as_ref().and_then(|s| Some((program.find(s.node)?, s.port.clone(), want.grid)));
             step.ok_or_else(|| Arc::new(Failure::Graph(absent(graph, want))))
@@ -254,7 +272,7 @@ impl Engine {
     /// The key of a node's results, whatever the grid; `None` when the node has a fault, or the content of a file
     /// before it is not known.
     pub fn key(&self, graph: &Graph, node: NodeId) -> Option<Key> {
-        let program = Program::new(graph, &[node], self.files.sources(), &Cancel::default())?;
+        let program = self.program(graph, &[node], self.files.sources(), &Cancel::default()).ok()?;
         let step = program.steps.get(program.find(node)?)?;
         step.as_ref().ok().and_then(|s| s.key)
     }
@@ -273,10 +291,10 @@ impl Engine {
         cancel: &Cancel,
     ) -> Result<BTreeMap<NodeId, Key>, EngineError> {
         let sources = self.files.sources();
-        let made = || Program::new(graph, nodes, sources.clone(), cancel).ok_or(EngineError::Cancelled);
+        let made = || self.program(graph, nodes, sources.clone(), cancel);
         let mut program = made()?;
         let steps = program.steps.iter().flatten();
-        let unread: Vec<_> = steps.flat_map(|s| s.unread().map(|f| (s.name.as_str(), f))).collect();
+        let unread: Vec<_> = steps.flat_map(|s| s.unread().map(|f| (s.name(), f))).collect();
         let bytes = unread.iter().fold(0, |sum: u64, (_, f)| sum.saturating_add(f.len()));
         if !unread.is_empty() && bytes <= most {
             learn(&unread, observer, cancel)?;

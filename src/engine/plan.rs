@@ -185,7 +185,7 @@ impl Plan {
     pub(super) fn unread(&self) -> Vec<(&str, &Arc<SourceFile>)> {
         let mut seen = BTreeSet::new();
         let steps = self.program.steps.iter().flatten();
-        let files = steps.flat_map(|s| s.unread().map(|f| (s.name.as_str(), f)));
+        let files = steps.flat_map(|s| s.unread().map(|f| (s.name(), f)));
         files.filter(|(_, f)| seen.insert(f.name())).collect()
     }
 
@@ -202,7 +202,7 @@ impl Plan {
     /// The most bytes that a node takes for its files alone, with its name.
     pub(super) fn largest_reading(&self) -> (u64, &str) {
         let steps = self.program.steps.iter().flatten();
-        steps.map(|s| (s.reading().bytes, s.name.as_str())).max().unwrap_or_default()
+        steps.map(|s| (s.reading().bytes, s.name())).max().unwrap_or_default()
     }
 
     /// Why each wanted value cannot be made, where that is known before anything runs.
@@ -267,7 +267,7 @@ impl Plan {
     pub fn too_narrow(&self) -> Vec<(&str, f64)> {
         let base = self.base_cell();
         let steps = self.program.steps.iter().flatten().filter(|s| s.reach == Reach::Global);
-        let narrow = steps.filter_map(|s| Some((s.name.as_str(), s.node.narrowest()?)));
+        let narrow = steps.filter_map(|s| Some((s.name(), s.node.narrowest()?)));
         narrow.filter(|(_, width)| *width < 2.0 * base).collect()
     }
 
@@ -287,7 +287,7 @@ impl Plan {
         let one = |(i, t): (usize, &Task)| {
             let step = self.step(t);
             PlannedTask {
-                node: step.name.clone(),
+                node: step.name().to_owned(),
                 kind: step.kind.id.clone(),
                 stage: t.stage,
                 grid: t.grid(),
@@ -339,6 +339,6 @@ impl Plan {
 
     /// Name of the node at the peak of memory.
     pub(super) fn peak_node(&self) -> String {
-        self.tasks.get(self.peak.task).map(|t| format!("node `{}`", self.step(t).name)).unwrap_or_default()
+        self.tasks.get(self.peak.task).map(|t| format!("node `{}`", self.step(t).name())).unwrap_or_default()
     }
 }

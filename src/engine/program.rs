@@ -1,13 +1,15 @@
 //! A graph made ready to evaluate: what stands upstream of the wanted nodes, parsed, in topological order, with keys.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
 use super::error::{Failure, SharedFailure};
 use super::key::{Key, Parts};
 use super::outputs::Outputs;
+use super::prepared::Prepared;
 use super::sources::Sources;
-use crate::graph::{Graph, NodeId, Place, Problem};
+use crate::graph::{Graph, GraphNode, NodeId, Place, Problem};
 use crate::name::Name;
 use crate::node::{AnyNode, Cancel, Cost, Error, FileRequest, Kind, Reach, SourceFile};
 use crate::value::{Grid, Quantity, Terrain};
@@ -23,14 +25,32 @@ pub(super) struct Program {
     index: BTreeMap<NodeId, usize>,
 }
 
-/// A node ready to run.
+/// A node ready to run, with what it reads.
 #[derive(Debug)]
 pub(super) struct Step {
-    pub name: String,
+    pub inputs: Vec<Input>,
+    own: Arc<Ready>,
+}
+
+impl Deref for Step {
+    type Target = Ready;
+
+    fn deref(&self) -> &Ready {
+        &self.own
+    }
+}
+
+/// A node ready to run, wherever it stands in a program; the next program has it again while nothing changed that it
+/// depends on.
+#[derive(Debug)]
+pub(super) struct Ready {
+    /// The node of the graph that it was made of.
+    origin: Arc<GraphNode>,
+    /// What it reads: its input, the key of the source and its output; none while the content of a file is not known.
+    sources: Option<Vec<(Name, Key, Name)>>,
     pub kind: Arc<Kind>,
     pub node: Arc<dyn AnyNode>,
     pub reach: Reach,
-    pub inputs: Vec<Input>,
     pub files: Vec<Arc<SourceFile>>,
     /// What the numbers of each output mean.
     quantities: Vec<Option<Quantity>>,
@@ -49,7 +69,18 @@ pub(super) struct Input {
     pub read: Outputs,
 }
 
-impl Step {
+impl Ready {
+    /// The name of the node.
+    pub(super) fn name(&self) -> &str {
+        &self.origin.name
+    }
+
+    /// Whether it is what would be made of a node that reads some sources. Files may have changed since.
+    fn serves(&self, origin: &Arc<GraphNode>, sources: Option<&[(Name, Key, Name)]>) -> bool {
+        let same = sources.is_some() && self.sources.as_deref() == sources;
+        same && Arc::ptr_eq(&self.origin, origin) && !self.kind.names_files()
+    }
+
     /// What reading its files takes; headers are looked at once. Of files that cannot be read it is the content: the
     /// run says what is wrong with them.
     pub(super) fn reading(&self) -> Cost {
@@ -65,6 +96,14 @@ impl Step {
         self.files.iter().filter(|f| f.known_hash().is_none())
     }
 
+    /// What the numbers of an output mean; `None` where it has none.
+    pub(super) fn quantity(&self, output: &str) -> Option<Quantity> {
+        let i = self.kind.outputs.iter().position(|p| p.name == output)?;
+        self.quantities[i]
+    }
+}
+
+impl Step {
     /// The input of a name, by its place among the inputs.
     pub(super) fn index(&self, port: &str) -> Option<usize> {
         self.inputs.iter().position(|i| i.port == port)
@@ -73,20 +112,16 @@ impl Step {
     pub(super) fn input(&self, port: &str) -> Option<&Input> {
         self.index(port).map(|i| &self.inputs[i])
     }
-
-    /// What the numbers of an output mean; `None` where it has none.
-    pub(super) fn quantity(&self, output: &str) -> Option<Quantity> {
-        let i = self.kind.outputs.iter().position(|p| p.name == output)?;
-        self.quantities[i]
-    }
 }
 
 impl Program {
-    /// Parses what some nodes need; nothing when it is cancelled. No content of a file is read.
+    /// Makes what some nodes need ready; nothing when it is cancelled. No content of a file is read. What is as it was in
+    /// an earlier program is taken over from there.
     pub(super) fn new(
         graph: &Graph,
         wanted: &[NodeId],
         sources: Arc<Sources>,
+        prepared: &Prepared,
         cancel: &Cancel,
     ) -> Option<Self> {
         let terrain = graph.terrain().clone();
@@ -100,7 +135,7 @@ impl Program {
                 let message = format!("node `{}` is part of a cycle", graph.node(id).name);
                 Err(Arc::new(Failure::Graph(message)))
             } else {
-                program.step(graph, id)
+                program.step(graph, id, prepared)
             };
             program.index.insert(id, program.steps.len());
             program.steps.push(step);
@@ -114,6 +149,12 @@ impl Program {
         if gridless { Grid::NOWHERE } else { grid }
     }
 
+    /// The nodes that are ready.
+    pub(super) fn ready(&self) -> impl Iterator<Item = (NodeId, Arc<Ready>)> {
+        let ready = |(id, step): (&NodeId, &usize)| Some((*id, self.steps[*step].as_ref().ok()?.own.clone()));
+        self.index.iter().filter_map(ready)
+    }
+
     pub(super) fn find(&self, id: NodeId) -> Option<usize> {
         self.index.get(&id).copied()
     }
@@ -123,24 +164,28 @@ impl Program {
         self.index.iter().find(|(_, i)| **i == step).map(|(id, _)| *id)
     }
 
-    fn step(&self, graph: &Graph, id: NodeId) -> Result<Step, SharedFailure> {
-        let graph_node = graph.node(id);
-        let name = graph_node.name.clone();
-        let wrong = |error: Error| Arc::new(Failure::of_document(&name, error));
-        let node = graph_node.parse().map_err(wrong)?;
-        let kind = graph_node
-            .kind()
-            .cloned()
-            .ok_or_else(|| Arc::new(Failure::Graph(format!("node `{name}` is of an unknown kind"))))?;
-        let inputs = self.inputs(graph, id, &kind, &*node).map_err(|e| match e {
+    fn step(&self, graph: &Graph, id: NodeId, prepared: &Prepared) -> Result<Step, SharedFailure> {
+        let origin = graph.shared(id).ok_or_else(|| Arc::new(Failure::Graph("a node is gone".to_owned())))?;
+        let name = &origin.name;
+        let wrong = |error: Error| Arc::new(Failure::of_document(name, error));
+        let node = origin.parse().map_err(wrong)?;
+        let unknown = || Arc::new(Failure::Graph(format!("node `{name}` is of an unknown kind")));
+        let kind = origin.kind().ok_or_else(unknown)?;
+        let inputs = self.inputs(graph, id, kind, &*node).map_err(|e| match e {
             InputFault::Here(error) => wrong(error),
             InputFault::Upstream(shared) => shared,
         })?;
+        let sources = self.sources_of(&inputs);
+        let known = prepared.get(&self.terrain, id);
+        if let Some(own) = known.filter(|known| known.serves(origin, sources.as_deref())) {
+            return Ok(Step { inputs, own });
+        }
         let requests = node.files();
         let nothing_asked = requests.is_empty();
         let found = self.sources.find(&requests).map_err(wrong)?;
-        let parameters = graph_node.digest().map_err(wrong)?;
-        let key = self.key((&kind, &*node, &parameters), &inputs, requests, &found).map_err(wrong)?;
+        let parameters = origin.digest().map_err(wrong)?;
+        let key =
+            self.key((kind, &*node, &parameters), sources.as_deref(), requests, &found).map_err(wrong)?;
         let (reach, files) = (node.reach(), found.into_iter().flatten().collect::<Vec<_>>());
         let reading = OnceLock::new();
         // What is wrong with a header shows before anybody goes through the content to know it, and so does a file that is
@@ -149,8 +194,10 @@ impl Program {
         if none || files.iter().any(|f: &Arc<SourceFile>| f.known_hash().is_none()) {
             let _ = reading.set(node.reading(&files).map_err(wrong)?);
         }
-        let quantities = self.quantities(&kind, &*node, &inputs);
-        Ok(Step { name, kind, node, reach, inputs, files, quantities, key, reading })
+        let quantities = self.quantities(kind, &*node, &inputs);
+        let (origin, kind) = (origin.clone(), kind.clone());
+        let own = Arc::new(Ready { origin, sources, kind, node, reach, files, quantities, key, reading });
+        Ok(Step { inputs, own })
     }
 
     fn quantities(&self, kind: &Kind, node: &dyn AnyNode, inputs: &[Input]) -> Vec<Option<Quantity>> {
@@ -161,11 +208,17 @@ impl Program {
         kind.outputs.iter().map(|p| kind.quantity(Some(node), &p.name, &read)).collect()
     }
 
+    /// What inputs read, by key; none while the content of a file above is not known.
+    fn sources_of(&self, inputs: &[Input]) -> Option<Vec<(Name, Key, Name)>> {
+        let key = |input: &Input| self.steps[input.step].as_ref().ok()?.key;
+        inputs.iter().map(|input| Some((input.port.clone(), key(input)?, input.from.clone()))).collect()
+    }
+
     /// The key of a node; none while the content of a file is not known.
     fn key(
         &self,
         (kind, node, parameters): (&Kind, &dyn AnyNode, &[u8; 32]),
-        inputs: &[Input],
+        sources: Option<&[(Name, Key, Name)]>,
         requests: Vec<FileRequest>,
         found: &[Option<Arc<SourceFile>>],
     ) -> Result<Option<Key>, Error> {
@@ -180,12 +233,8 @@ impl Program {
             };
             files.push((request, content));
         }
-        let key_of = |i: &Input| self.steps[i.step].as_ref().ok().and_then(|s| s.key);
-        let keyed: Option<Vec<_>> =
-            inputs.iter().map(|i| Some((i.port.as_str(), key_of(i)?, i.from.as_str()))).collect();
         let terrain = &self.terrain;
-        Ok(keyed
-            .map(|inputs| Parts { kind, node, parameters, terrain, inputs: &inputs, files: &files }.key()))
+        Ok(sources.map(|inputs| Parts { kind, node, parameters, terrain, inputs, files: &files }.key()))
     }
 
     fn inputs(
@@ -196,7 +245,7 @@ impl Program {
         node: &dyn AnyNode,
     ) -> Result<Vec<Input>, InputFault> {
         let mut inputs = Vec::new();
-        for port in kind.inputs.iter().filter(|p| node.uses(&p.name)) {
+        for port in kind.inputs.iter().filter(|p| kind.uses(node, &p.name)) {
             let Some(source) = graph.source(id, &port.name) else {
                 if graph.node(id).unresolved().any(|(p, _)| port.name == p) {
                     return Err(InputFault::Upstream(Arc::new(Failure::Graph(loose_wire(

@@ -295,13 +295,13 @@ impl Runner<'_> {
                 },
                 _ => self
                     .compute(i, task, &given, &mut warnings)
-                    .map_err(|error| Arc::new(Failure::of_run(&step.name, error))),
+                    .map_err(|error| Arc::new(Failure::of_run(step.name(), error))),
             },
         };
         let seconds = start.elapsed().as_secs_f64();
         self.observer.finished(i, seconds);
         let report = TaskReport {
-            node: step.name.clone(),
+            node: step.name().to_owned(),
             kind: step.kind.id.clone(),
             stage: task.stage,
             grid: task.grid(),

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::ops::{Index, IndexMut};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use petgraph::Direction::{self, Incoming, Outgoing};
@@ -27,7 +28,8 @@ impl NodeId {
 /// The nodes, and the wires as edges from source to reader.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Dag {
-    graph: StableDiGraph<(NodeId, GraphNode), Wire>,
+    /// Nodes are shared with copies of the graph until they are changed.
+    graph: StableDiGraph<(NodeId, Arc<GraphNode>), Wire>,
     /// Where petgraph keeps a node: its indices come back after a removal.
     places: HashMap<NodeId, NodeIndex>,
 }
@@ -35,17 +37,17 @@ pub(super) struct Dag {
 impl Dag {
     pub(super) fn add(&mut self, node: GraphNode) -> NodeId {
         let id = NodeId::fresh();
-        self.places.insert(id, self.graph.add_node((id, node)));
+        self.places.insert(id, self.graph.add_node((id, Arc::new(node))));
         id
     }
 
     /// Takes a node out, with its wires.
     pub(super) fn remove(&mut self, id: NodeId) -> Option<GraphNode> {
         let place = self.places.remove(&id)?;
-        self.graph.remove_node(place).map(|(_, node)| node)
+        self.graph.remove_node(place).map(|(_, node)| Arc::unwrap_or_clone(node))
     }
 
-    pub(super) fn get(&self, id: NodeId) -> Option<&GraphNode> {
+    pub(super) fn get(&self, id: NodeId) -> Option<&Arc<GraphNode>> {
         self.graph.node_weight(self.place(id)?).map(|(_, node)| node)
     }
 
@@ -104,6 +106,6 @@ impl Index<NodeId> for Dag {
 
 impl IndexMut<NodeId> for Dag {
     fn index_mut(&mut self, id: NodeId) -> &mut GraphNode {
-        &mut self.graph[self.places[&id]].1
+        Arc::make_mut(&mut self.graph[self.places[&id]].1)
     }
 }

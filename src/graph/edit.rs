@@ -1,6 +1,7 @@
 //! Edits of nodes, wires and outputs. Each checks first and changes then: a refused edit leaves the graph as it was.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use serde_json::{Map, Value as Json};
 
@@ -75,7 +76,7 @@ impl Graph {
         self.sequence.retain(|n| *n != id);
         let gone = || Problem::error(Place::Graph, "has no such node");
         let node = self.dag.remove(id).ok_or_else(gone)?;
-        self.names.remove(&node.name);
+        Arc::make_mut(&mut self.names).remove(&node.name);
         self.exposed.retain_mut(|(_, exposed)| {
             let before = exposed.bind.len();
             exposed.bind.retain(|bind| bind.split('.').next() != Some(&node.name));
@@ -128,8 +129,9 @@ impl Graph {
         }
         self.free_node_name(name)?;
         let old = std::mem::replace(&mut self.dag[id].name, name.to_owned());
-        self.names.remove(&old);
-        self.names.insert(name.to_owned(), id);
+        let names = Arc::make_mut(&mut self.names);
+        names.remove(&old);
+        names.insert(name.to_owned(), id);
         let renamed = |text: &str, end: Option<usize>| {
             let (node, rest) = text.split_at(end?);
             (node == old).then(|| format!("{name}{rest}"))
@@ -329,7 +331,7 @@ impl Graph {
         let name = node.name.clone();
         let id = self.dag.add(node);
         self.sequence.push(id);
-        self.names.insert(name, id);
+        Arc::make_mut(&mut self.names).insert(name, id);
         id
     }
 

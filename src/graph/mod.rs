@@ -59,7 +59,7 @@ pub struct Graph {
     dag: Dag,
     /// The nodes in the order of the file.
     sequence: Vec<NodeId>,
-    names: HashMap<String, NodeId>,
+    names: Arc<HashMap<String, NodeId>>,
     about: About,
     /// The terrain as the file writes it, and as it is used.
     settings: Map<String, Json>,
@@ -97,7 +97,7 @@ impl Graph {
             registry,
             dag: Dag::default(),
             sequence: Vec::new(),
-            names: HashMap::new(),
+            names: Arc::default(),
             about: About::default(),
             settings: Map::new(),
             terrain: Terrain::default(),
@@ -149,6 +149,11 @@ impl Graph {
 
     /// A node, if the graph has it.
     pub fn get(&self, id: NodeId) -> Option<&GraphNode> {
+        self.dag.get(id).map(|node| &**node)
+    }
+
+    /// A node, as copies of the graph share it until one changes it: what is the same pointer is the same node.
+    pub(crate) fn shared(&self, id: NodeId) -> Option<&Arc<GraphNode>> {
         self.dag.get(id)
     }
 

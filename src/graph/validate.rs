@@ -135,7 +135,7 @@ impl Graph {
         let node = self.node(id);
         let place = |port: &str| Place::Input { node: node.name.clone(), port: port.to_owned() };
         let parsed = node.parse().ok();
-        let uses = |port: &str| parsed.as_ref().is_none_or(|n| n.uses(port));
+        let uses = |port: &str| parsed.as_ref().is_none_or(|n| kind.uses(&**n, port));
         let mut found = Vec::new();
         for port in kind.inputs.iter() {
             if let Some(written) = node.loose.get(port.name.as_str()) {

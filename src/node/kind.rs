@@ -270,6 +270,11 @@ impl Kind {
         Self { mixes: pairs, ..self }
     }
 
+    /// Whether an input matters to the result of a node; the mask by which the engine mixes always does.
+    pub fn uses(&self, node: &dyn AnyNode, port: &str) -> bool {
+        (port == ports::MASK.name && !self.mixes.is_empty()) || node.uses(port)
+    }
+
     /// The input of a name.
     pub fn input(&self, name: &str) -> Option<&Port> {
         self.inputs.iter().find(|p| p.name == name)
