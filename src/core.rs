@@ -35,6 +35,6 @@ pub mod prelude {
     pub use crate::ports::Meaning;
     pub use crate::units::{Degrees, FilePath, Metres, Number, PerMetre, Ratio, Seed};
     pub use crate::value::{
-        Colors, Constraints, Curves, Field, Grid, Quantity, Raster, Terrain, Value, Vectors,
+        Colors, Constraints, Curves, Field, Grid, Object, Quantity, Raster, Terrain, Value, Vectors,
     };
 }

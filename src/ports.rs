@@ -2,7 +2,7 @@
 
 use crate::name::Name;
 use crate::node::{Error, Result};
-use crate::value::{Colors, Constraints, Curves, Field, Quantity, Value, Vectors, WireType};
+use crate::value::{Colors, Field, Object, Quantity, Value, Vectors, WireType};
 
 /// One input or output of a kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -109,6 +109,19 @@ pub trait Wire: Sized {
     fn give(self) -> Option<Value>;
 }
 
+impl<T: Object> Wire for T {
+    const WIRE: WireType = WireType::Object(T::TYPE);
+    const MEANING: Meaning = Meaning::Nothing;
+    fn take(port: &'static str, value: Option<Value>) -> Result<Self> {
+        let value = value.ok_or_else(|| Error::Missing { port: port.into() })?;
+        let wrong = || Error::WireType { port: port.into(), want: Self::WIRE, got: value.wire_type() };
+        value.object().cloned().ok_or_else(wrong)
+    }
+    fn give(self) -> Option<Value> {
+        Some(self.into())
+    }
+}
+
 macro_rules! wire {
     ($($name:ident: $meaning:expr),+ $(,)?) => {$(
         impl Wire for $name {
@@ -131,8 +144,6 @@ wire! {
     Field: Meaning::Fixed(Quantity::Number),
     Vectors: Meaning::Fixed(Quantity::Vector),
     Colors: Meaning::Fixed(Quantity::Color),
-    Curves: Meaning::Nothing,
-    Constraints: Meaning::Nothing,
 }
 
 impl<T: Wire> Wire for Option<T> {

@@ -62,11 +62,9 @@ impl Node for CurveRaster {
     }
 
     fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
-        match known("curves") {
-            Some(Value::Curves(curves)) => {
-                Cost { seconds: raster::seconds(&curves, grid), ..self.cost(grid) }
-            }
-            _ => self.cost(grid),
+        match known("curves").as_ref().and_then(Value::object::<Curves>) {
+            Some(curves) => Cost { seconds: raster::seconds(curves, grid), ..self.cost(grid) },
+            None => self.cost(grid),
         }
     }
 

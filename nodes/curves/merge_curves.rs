@@ -46,10 +46,7 @@ impl Node for MergeCurves {
     }
 
     fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
-        let of = |port: &str| match known(port) {
-            Some(Value::Curves(curves)) => curves.len(),
-            _ => 0,
-        };
+        let of = |port: &str| known(port).as_ref().and_then(Value::object::<Curves>).map_or(0, Curves::len);
         let curves: usize = ["a", "b", "c", "d", "e", "f"].map(of).iter().sum();
         let cost = self.cost(grid);
         // A pointer for each, twice while they are collected.

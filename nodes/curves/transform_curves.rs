@@ -73,7 +73,8 @@ impl Node for TransformCurves {
 
     fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
         let cost = self.cost(grid);
-        let Some(Value::Curves(curves)) = known("curves") else { return cost };
+        let known = known("curves");
+        let Some(curves) = known.as_ref().and_then(Value::object::<Curves>) else { return cost };
         let pieces: usize = curves.iter().map(|c| c.pieces()).sum();
         let seconds = cost.seconds + curves.len() as f64 * 2e-6 + pieces as f64 * 1e-6;
         Cost { bytes: cost.bytes + 2 * curves.bytes(), seconds }

@@ -96,7 +96,7 @@ impl Job {
             range: output.range,
             output: output.clone(),
             quantity,
-            channels: graph.wire_type(&source).map_or(1, |wire| (wire.sample_bytes() / 4) as usize),
+            channels: graph.wire_type(&source).map_or(1, |wire| wire.channels()),
             source,
         }
     }

@@ -4,20 +4,15 @@
 use eframe::egui::{self, Color32, Pos2, Shape, Stroke, vec2};
 
 use crate::graph::NoteColor;
-use crate::value::WireType;
+use crate::value::{Pin, WireType};
 
 /// The colour of what a wire carries.
 pub(crate) fn wire_color(wire: WireType) -> Color32 {
-    match wire {
-        WireType::Field => Color32::from_rgb(86, 180, 233),
-        WireType::Vectors => Color32::from_rgb(204, 121, 167),
-        WireType::Colors => Color32::from_rgb(230, 159, 0),
-        WireType::Curves => Color32::from_rgb(0, 178, 130),
-        WireType::Constraints => Color32::from_rgb(226, 104, 20),
-    }
+    let [r, g, b] = wire.color();
+    Color32::from_rgb(r, g, b)
 }
 
-/// The pin of a wire: a circle, a triangle, a square, a diamond or a hexagon.
+/// The pin of a wire.
 pub(crate) fn pin(wire: WireType, at: Pos2, radius: f32, filled: bool) -> Shape {
     let color = wire_color(wire);
     let corners = |n: usize, turn: f32| {
@@ -29,12 +24,9 @@ pub(crate) fn pin(wire: WireType, at: Pos2, radius: f32, filled: bool) -> Shape 
     };
     let fill = if filled { color } else { Color32::from_gray(24) };
     let stroke = Stroke::new((radius * 0.32).max(1.0), color);
-    match wire {
-        WireType::Field => Shape::Circle(egui::epaint::CircleShape { center: at, radius, fill, stroke }),
-        WireType::Vectors => Shape::convex_polygon(corners(3, 0.0), fill, stroke),
-        WireType::Colors => Shape::convex_polygon(corners(4, 0.5), fill, stroke),
-        WireType::Curves => Shape::convex_polygon(corners(4, 0.0), fill, stroke),
-        WireType::Constraints => Shape::convex_polygon(corners(6, 0.0), fill, stroke),
+    match wire.pin() {
+        Pin::Circle => Shape::Circle(egui::epaint::CircleShape { center: at, radius, fill, stroke }),
+        Pin::Polygon { corners: n, turn } => Shape::convex_polygon(corners(n.into(), turn), fill, stroke),
     }
 }
 

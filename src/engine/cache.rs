@@ -28,9 +28,9 @@ impl Given {
         }
     }
 
-    /// Whether it is samples and numbers, as a file of the cache holds them; what else there is is quickly made.
-    pub(super) fn is_raster(&self) -> bool {
-        self.wires().is_none_or(|wires| wires.iter().all(|(_, value)| value.wire_type().is_raster()))
+    /// Whether a file of the cache can hold it.
+    pub(super) fn is_kept(&self) -> bool {
+        self.wires().is_none_or(|wires| wires.iter().all(|(_, value)| value.wire_type().is_kept()))
     }
 
     pub(super) fn wires(&self) -> Option<&Wires> {

@@ -14,7 +14,7 @@ pub(super) fn lift(cx: &Context<'_>, base: &Value) -> Result<Value> {
         Value::Vectors(v) => Value::Vectors(lift_channels(cx, v, |x| x)?),
         Value::Colors(c) => Value::Colors(lift_channels(cx, c, |x| x.clamp(0.0, 1.0))?),
         // Made for other global nodes, which read it where it stands.
-        Value::Curves(_) | Value::Constraints(_) => base.clone(),
+        Value::Object(_) => base.clone(),
     })
 }
 

@@ -239,7 +239,7 @@ impl<'a> Planner<'a> {
             let needs = needs.collect();
             let Ok(planned) = &program.steps[step] else { continue };
             let known = foretold.take(step, stage, found.as_ref()).map(Wires::bytes);
-            let guessed = stage == Stage::Gridless && found.is_none() && known.is_none();
+            let guessed = stage == Stage::Gridless && known.is_none();
             let Sizes { mut cost, output_bytes, file_bytes } =
                 Sizes::new(planned, stage, &grid, &base, read, found.as_ref(), &foretold);
             let output_bytes = known.unwrap_or(output_bytes);

@@ -363,8 +363,9 @@ impl Runner<'_> {
         let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)));
         *warnings = said.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect();
         let given = given?;
-        // A file holds samples and no warnings.
-        let disk = self.store.disk.as_ref().filter(|_| given.is_raster() && warnings.is_empty());
+        // A file holds no warnings, and what a quick kind gives is made sooner than read.
+        let lasts = given.is_kept() && warnings.is_empty() && !step.kind.quick;
+        let disk = self.store.disk.as_ref().filter(|_| lasts);
         if let Some((disk, key)) = disk.zip(task.key) {
             disk.put(&key, &task.grid, &given);
         }
@@ -503,6 +504,11 @@ fn check(grid: &Grid, step: &Step, made: Outputs, out: &Wires) -> Result<()> {
                 let named = |q: Option<Quantity>| q.map_or("nothing", Quantity::name);
                 let (got, said) = (named(value.quantity()), named(step.quantity(&port.name)));
                 return bad(format!("is {got}, and the kind says {said}"));
+            }
+            Some(Value::Object(object)) => {
+                if let Some(fault) = object.fault() {
+                    return bad(fault);
+                }
             }
             Some(value) => {
                 if let Some((col, row)) = value.first_not_finite() {

@@ -135,7 +135,7 @@ pub fn encode(job: &WriteJob<'_>, out: &mut dyn Sink) -> Result<Written, WriteEr
     Sheet {
         cols: grid.cols,
         rows: grid.rows,
-        channels: (value.wire_type().sample_bytes() / 4) as usize,
+        channels: value.wire_type().channels(),
         samples: value.components(),
         quantity,
         placement,

@@ -46,8 +46,7 @@ pub fn thumbnail(value: &Value, side: usize, cancel: &Cancel) -> Result<Picture>
             paint(&colors, [vectors.grid().cols, vectors.grid().rows], side, &work)
         }
         Value::Colors(colors) => paint(colors.data(), [colors.grid().cols, colors.grid().rows], side, &work),
-        Value::Curves(curves) => Ok(sketch::curves(curves, side)),
-        Value::Constraints(constraints) => Ok(sketch::constraints(constraints, side)),
+        Value::Object(object) => Ok(sketch::picture(&object.sketch(), side)),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Grid;
+use super::{Grid, Object, ObjectType, Pin, Sketch, SketchMark};
 
 /// What is known of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,7 +151,7 @@ impl Constraints {
     }
 
     /// Column and row of the first sample, in row order, of a plane that has a number that is not finite.
-    pub fn first_not_finite(&self) -> Option<(usize, usize)> {
+    fn first_not_finite(&self) -> Option<(usize, usize)> {
         let Planes { height, lean, direction, steepness, trust, ground, noise, envelope, .. } = &*self.planes;
         let first = |plane: Option<&[f32]>, channels: usize| {
             plane.and_then(|p| p.iter().position(|v| !v.is_finite())).map(|at| at / channels)
@@ -170,9 +170,18 @@ impl Constraints {
         ];
         found.into_iter().flatten().min().map(|at| (at % self.grid.cols, at / self.grid.cols))
     }
+}
 
-    /// Bytes of the planes.
-    pub fn bytes(&self) -> u64 {
+impl Object for Constraints {
+    const TYPE: &'static ObjectType = &ObjectType {
+        name: "constraints",
+        color: [226, 104, 20],
+        pin: Pin::Polygon { corners: 6, turn: 0.0 },
+        sample_bytes: 45,
+        load: None,
+    };
+
+    fn bytes(&self) -> u64 {
         let p = &*self.planes;
         let per_sample = 1
             + 4 * u64::from(p.height.is_some())
@@ -184,5 +193,33 @@ impl Constraints {
             + 8 * u64::from(p.noise.is_some())
             + 4 * u64::from(p.envelope.is_some());
         per_sample * self.grid.len() as u64
+    }
+
+    fn grid(&self) -> Option<&Grid> {
+        Some(&self.grid)
+    }
+
+    fn fault(&self) -> Option<String> {
+        let (col, row) = self.first_not_finite()?;
+        Some(format!("is not finite at column {col}, row {row}"))
+    }
+
+    fn sketch(&self) -> Sketch {
+        let (cols, rows) = (self.grid.cols, self.grid.rows);
+        let mark = |at: [usize; 2]| match self.height(at) {
+            Some(height) => SketchMark::Height(height),
+            None if self.has(Mark::Gradient, at) => SketchMark::Strong,
+            None if self.has(Mark::Noise, at) => SketchMark::Weak,
+            None => SketchMark::Nothing,
+        };
+        Sketch::Marks(self.grid, (0..cols * rows).map(|i| mark([i % cols, i / cols])).collect())
+    }
+
+    fn say(&self, at: [f64; 2]) -> Option<String> {
+        let cell = self.grid.nearest(at);
+        let height = self.height(cell).map(|h| format!("height {h:.1} m"));
+        let slope = self.gradient(cell).map(|(_, s)| format!("slope {:.1}°", libm::atan(s.into()).to_degrees()));
+        let all: Vec<_> = height.into_iter().chain(slope).collect();
+        Some(if all.is_empty() { "nothing is said".to_owned() } else { all.join(", ") })
     }
 }

@@ -76,6 +76,15 @@ impl Grid {
         self.cols.saturating_mul(self.rows)
     }
 
+    /// Column and row of the window whose sample stands nearest to a place of the world.
+    pub fn nearest(&self, at: [f64; 2]) -> [usize; 2] {
+        let [u, v] = self.lattice.steps(at[0], at[1]);
+        let index = |steps: f64, first: i64, count: usize| {
+            (steps - first as f64).round().clamp(0.0, count.saturating_sub(1) as f64) as usize
+        };
+        [index(u, self.col, self.cols), index(v, self.row, self.rows)]
+    }
+
     /// Whether there is no sample.
     pub fn is_empty(&self) -> bool {
         self.cols == 0 || self.rows == 0

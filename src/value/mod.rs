@@ -4,6 +4,7 @@ mod constraints;
 pub mod curves;
 mod fill;
 mod grid;
+mod object;
 mod raster;
 mod terrain;
 
@@ -11,6 +12,7 @@ pub use constraints::{Constraints, Mark, Planes};
 pub use curves::{Curve, CurveSpec, Curves};
 pub use fill::{Row, fill};
 pub use grid::{Bounds, Grid, Lattice};
+pub use object::{AnyObject, Object, ObjectType, Pin, Sketch, SketchLine, SketchMark};
 pub use raster::{Colors, Field, Quantity, Raster, Sample, Vectors};
 pub use terrain::{Geo, MAX_BASE, MAX_EXTENT, MAX_SIZE, MIN_SIZE, Terrain};
 
@@ -23,10 +25,8 @@ pub enum WireType {
     Vectors,
     /// A colour per point.
     Colors,
-    /// Feature curves.
-    Curves,
-    /// Rasterised curves.
-    Constraints,
+    /// What is no raster.
+    Object(&'static ObjectType),
 }
 
 impl WireType {
@@ -36,25 +36,59 @@ impl WireType {
             Self::Field => f32::NAME,
             Self::Vectors => <[f32; 2]>::NAME,
             Self::Colors => <[f32; 3]>::NAME,
-            Self::Curves => "curves",
-            Self::Constraints => "constraints",
+            Self::Object(object) => object.name,
         }
     }
 
     /// Whether it is samples on a grid, which files and pictures hold and which are carried from the base grid to
     /// others.
     pub fn is_raster(self) -> bool {
-        matches!(self, Self::Field | Self::Vectors | Self::Colors)
+        self.channels() > 0
+    }
+
+    /// Numbers of a sample of a raster; 0 for what is none.
+    pub fn channels(self) -> usize {
+        match self {
+            Self::Field => f32::CHANNELS,
+            Self::Vectors => <[f32; 2]>::CHANNELS,
+            Self::Colors => <[f32; 3]>::CHANNELS,
+            Self::Object(_) => 0,
+        }
     }
 
     /// Bytes of one sample, at most; 0 for what has none.
     pub fn sample_bytes(self) -> u64 {
         match self {
-            Self::Field => 4,
-            Self::Vectors => 8,
-            Self::Colors => 12,
-            Self::Curves => 0,
-            Self::Constraints => 45,
+            Self::Object(object) => object.sample_bytes,
+            raster => 4 * raster.channels() as u64,
+        }
+    }
+
+    /// Whether cache folders keep it.
+    pub fn is_kept(self) -> bool {
+        match self {
+            Self::Object(object) => object.load.is_some(),
+            _ => true,
+        }
+    }
+
+    /// The colour of its wires, sRGB: those of Okabe and Ito, which the colour-blind can tell apart.
+    pub fn color(self) -> [u8; 3] {
+        match self {
+            Self::Field => [86, 180, 233],
+            Self::Vectors => [204, 121, 167],
+            Self::Colors => [230, 159, 0],
+            Self::Object(object) => object.color,
+        }
+    }
+
+    /// The form of its pins.
+    pub fn pin(self) -> Pin {
+        match self {
+            Self::Field => Pin::Circle,
+            Self::Vectors => Pin::Polygon { corners: 3, turn: 0.0 },
+            Self::Colors => Pin::Polygon { corners: 4, turn: 0.5 },
+            Self::Object(object) => object.pin,
         }
     }
 }
@@ -68,10 +102,8 @@ pub enum Value {
     Vectors(Vectors),
     /// A colour per point.
     Colors(Colors),
-    /// Feature curves, in world coordinates.
-    Curves(Curves),
-    /// What curves say about the samples of the base grid.
-    Constraints(Constraints),
+    /// What is no raster.
+    Object(AnyObject),
 }
 
 /// Does the same to the raster in a [`Value`], whatever its sample type.
@@ -93,8 +125,7 @@ impl Value {
             Self::Field(_) => WireType::Field,
             Self::Vectors(_) => WireType::Vectors,
             Self::Colors(_) => WireType::Colors,
-            Self::Curves(_) => WireType::Curves,
-            Self::Constraints(_) => WireType::Constraints,
+            Self::Object(object) => WireType::Object(object.wire()),
         }
     }
 
@@ -111,8 +142,7 @@ impl Value {
     /// Bytes in memory.
     pub fn bytes(&self) -> u64 {
         match self {
-            Self::Curves(curves) => curves.bytes(),
-            Self::Constraints(constraints) => constraints.bytes(),
+            Self::Object(object) => object.bytes(),
             raster => size_of_val(raster.components()) as u64,
         }
     }
@@ -128,7 +158,7 @@ impl Value {
             Self::Field(r) => Self::Field(r.crop(grid)),
             Self::Vectors(r) => Self::Vectors(r.crop(grid)),
             Self::Colors(r) => Self::Colors(r.crop(grid)),
-            Self::Curves(_) | Self::Constraints(_) => self.clone(),
+            Self::Object(_) => self.clone(),
         }
     }
 
@@ -139,25 +169,28 @@ impl Value {
             let (chunks, _) = data.as_chunks::<N>();
             chunks.to_vec()
         }
-        let channels = (kind.sample_bytes() / 4) as usize;
-        if !kind.is_raster() || data.len() != grid.len() * channels {
+        if !kind.is_raster() || data.len() != grid.len() * kind.channels() {
             return None;
         }
         Some(match kind {
             WireType::Field => Self::Field(Raster::new(grid, quantity, data)),
             WireType::Vectors => Self::Vectors(Raster::new(grid, quantity, pairs(&data))),
             WireType::Colors => Self::Colors(Raster::new(grid, quantity, pairs(&data))),
-            WireType::Curves | WireType::Constraints => return None,
+            WireType::Object(_) => return None,
         })
     }
 
-    /// Index of the first sample that is not finite, as column and row of the window.
+    /// The object of a type, where it is one.
+    pub fn object<T: Object>(&self) -> Option<&T> {
+        match self {
+            Self::Object(object) => object.get(),
+            _ => None,
+        }
+    }
+
+    /// Index of the first sample of a raster that is not finite, as column and row of the window.
     pub fn first_not_finite(&self) -> Option<(usize, usize)> {
         use rayon::prelude::*;
-        if let Self::Constraints(constraints) = self {
-            return constraints.first_not_finite();
-        }
-        // Curves are checked when they are made.
         let grid = self.grid()?;
         let all = self.components();
         // x - x is 0 for finite numbers and NaN otherwise, which vectorises where `is_finite` with `any` does not.
@@ -167,7 +200,7 @@ impl Value {
         });
         let (chunk, values) = bad?;
         let i = (chunk << 16) + values.iter().position(|x| !x.is_finite())?;
-        let sample = i / (self.wire_type().sample_bytes() / 4) as usize;
+        let sample = i / self.wire_type().channels();
         Some((sample % grid.cols, sample / grid.cols))
     }
 }

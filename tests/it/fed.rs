@@ -8,7 +8,7 @@ use orograph::graph::Graph;
 use orograph::node::{Cancel, Kind};
 use orograph::nodes::Registry;
 use orograph::params::{Param, Shape};
-use orograph::value::{Grid, Value, WireType};
+use orograph::value::{Curves, Grid, Object as _, Value, WireType};
 use serde_json::{Map, Value as Json, json};
 
 use crate::kinds::registry;
@@ -54,7 +54,7 @@ pub(crate) fn engine(threads: usize) -> Engine {
 pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> Graph {
     let mut set = set.clone();
     for p in kind.params().iter().filter(|p| p.widget.as_deref() == Some("file")) {
-        let curves = kind.outputs.iter().any(|o| o.wire == WireType::Curves);
+        let curves = kind.outputs.iter().any(|o| o.wire == WireType::Object(Curves::TYPE));
         let colors = kind.outputs.iter().any(|o| o.wire == WireType::Colors);
         let file = if curves {
             "small.svg"
@@ -86,8 +86,10 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
             }
             WireType::Vectors => "turns.vectors",
             WireType::Colors => "tints.colors",
-            WireType::Curves => "lines.curves",
-            WireType::Constraints => "marks.constraints",
+            WireType::Object(object) => match object.name {
+                "curves" => "lines.curves",
+                _ => "marks.constraints",
+            },
         };
         // The engine's own mask is left out here: it has a test of its own.
         if port.name != "mask" || kind.mixes.is_empty() {
@@ -145,8 +147,7 @@ pub(crate) fn outputs(
 /// The samples of a raster to the bit; what else a value holds as its text.
 pub(crate) fn bits(value: &Value) -> Vec<u32> {
     match value {
-        Value::Curves(curves) => format!("{curves:?}").bytes().map(u32::from).collect(),
-        Value::Constraints(constraints) => format!("{constraints:?}").bytes().map(u32::from).collect(),
+        Value::Object(object) => format!("{object:?}").bytes().map(u32::from).collect(),
         raster => raster.components().iter().map(|x| x.to_bits()).collect(),
     }
 }

@@ -11,7 +11,7 @@ use orograph::node::{Cancel, Context, Kind};
 use orograph::params::page::sections;
 use orograph::params::{Param, Shape};
 use orograph::ports::{MASK, Wires};
-use orograph::value::{CurveSpec, Curves, Field, Grid, Quantity, Terrain, Value, WireType};
+use orograph::value::{Object as _, CurveSpec, Curves, Field, Grid, Quantity, Terrain, Value, WireType};
 use serde_json::{Map, Value as Json, json};
 
 use crate::fed::{engine, fed, shipped};
@@ -391,19 +391,19 @@ fn every_kind_that_reads_curves_is_linear_and_its_cost_follows_them() {
     let (mut faults, mut tried) = (Vec::new(), 0);
     for kind in shipped() {
         let ports: Vec<_> =
-            kind.inputs.iter().filter(|p| p.wire == WireType::Curves).map(|p| p.name.clone()).collect();
+            kind.inputs.iter().filter(|p| p.wire == WireType::Object(Curves::TYPE)).map(|p| p.name.clone()).collect();
         if ports.is_empty() {
             continue;
         }
         tried += 1;
         let node = kind.parse(&Map::new()).unwrap();
         let wires = |n: usize| -> Wires {
-            ports.iter().map(|port| (port.clone(), Value::Curves(sets[usize::from(n > 1)].clone()))).collect()
+            ports.iter().map(|port| (port.clone(), Value::from(sets[usize::from(n > 1)].clone()))).collect()
         };
         let cx = Context { reads: kind.reads, ..Context::bare(grid, &terrain, &cancel) };
         faults.extend(fault(&kind.id, |n| node.run(&cx, wires(n)).unwrap()));
         let cost = |n: usize| {
-            let known = |_: &str| (n > 0).then(|| Value::Curves(sets[usize::from(n > 1)].clone()));
+            let known = |_: &str| (n > 0).then(|| Value::from(sets[usize::from(n > 1)].clone()));
             node.cost_with(&grid, &known).seconds
         };
         let (none, one, ten) = (node.cost(&grid).seconds, cost(1), cost(10));

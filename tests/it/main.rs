@@ -20,6 +20,7 @@ mod growth;
 mod kinds;
 mod laws;
 mod memory;
+mod objects;
 mod pages;
 mod plans;
 mod readme;

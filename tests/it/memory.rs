@@ -17,7 +17,7 @@ use orograph::name::Name;
 use orograph::node::{Cancel, Context, Kind, Reach, SourceFile};
 use orograph::params::Shape;
 use orograph::ports::{MASK, Wires};
-use orograph::value::{CurveSpec, Curves, Field, Grid, Quantity, Terrain, Value};
+use orograph::value::{Object as _, CurveSpec, Curves, Field, Grid, Quantity, Terrain, Value};
 use orograph::work::Work;
 use serde_json::{Map, Value as Json, json};
 

@@ -14,7 +14,7 @@ mod paint;
 mod pen;
 pub(crate) mod sheet;
 
-pub(crate) use paint::plain as plain_curves;
+pub(crate) use paint::plain as plain_lines;
 
 use eframe::egui::{self, Id, Key, Modifiers, Pos2, Rect, Response, Ui};
 

@@ -5,10 +5,8 @@ use eframe::egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, StrokeKin
 use super::Space;
 use super::grip::{Grip, Part};
 use crate::editor::theme;
-use crate::value::{Curve, Curves, WireType};
+use crate::value::{Curve, Curves, Object as _, SketchLine, WireType};
 
-/// Points drawn for each piece of a curve.
-const STEPS: u32 = 14;
 const DARK: Color32 = Color32::from_black_alpha(170);
 
 /// A point of a curve on the screen.
@@ -24,25 +22,29 @@ pub(super) type Line = Vec<Dot>;
 
 /// A curve as it is seen; what is behind the eye is left out.
 pub(super) fn line(curve: &Curve, space: &dyn Space) -> Line {
-    let length = curve.length().max(1e-9);
-    let mut all = Vec::new();
-    for i in 0..curve.pieces() {
-        let (piece, [from, to]) = (curve.piece(i), curve.piece_span(i));
-        for k in u32::from(i > 0)..=STEPS {
-            let t = f64::from(k) / f64::from(STEPS);
-            let at = piece.at(t);
-            let u = (from + (to - from) * t) / length;
-            let z = curve.height(u).unwrap_or_else(|| space.height(at));
-            let at = [at[0], at[1], z];
-            all.extend(space.screen(at).map(|p| Dot { at: p, seen: !space.hides(at) }));
-        }
-    }
-    all
+    seen(&curve.sketch(), space)
+}
+
+/// A line of the world as it is seen; it lies on the ground where it has no height.
+fn seen(line: &SketchLine, space: &dyn Space) -> Line {
+    let dot = |(at, height): &([f64; 2], Option<f64>)| {
+        let at = [at[0], at[1], height.unwrap_or_else(|| space.height(*at))];
+        space.screen(at).map(|p| Dot { at: p, seen: !space.hides(at) })
+    };
+    line.iter().filter_map(dot).collect()
 }
 
 /// All curves; the chosen one and the one under the pointer stand out.
 pub(super) fn lines(ui: &Ui, lines: &[Option<Line>], chosen: Option<usize>, hit: Option<usize>) {
-    let usual = theme::wire_color(WireType::Curves);
+    draw(ui, lines, theme::wire_color(WireType::Object(Curves::TYPE)), (chosen, hit));
+}
+
+fn draw(
+    ui: &Ui,
+    lines: &[Option<Line>],
+    usual: Color32,
+    (chosen, hit): (Option<usize>, Option<usize>),
+) {
     for (i, line) in lines.iter().enumerate() {
         let Some(line) = line else { continue };
         let (width, color) = match (chosen == Some(i), hit == Some(i)) {
@@ -61,10 +63,10 @@ pub(super) fn lines(ui: &Ui, lines: &[Option<Line>], chosen: Option<usize>, hit:
     }
 }
 
-/// Curves that are only looked at.
-pub(crate) fn plain(ui: &Ui, space: &dyn Space, curves: &Curves) {
-    let all: Vec<_> = curves.iter().map(|c| Some(line(c, space))).collect();
-    lines(ui, &all, None, None);
+/// Lines of a value that are only looked at.
+pub(crate) fn plain(ui: &Ui, space: &dyn Space, lines: &[SketchLine], wire: WireType) {
+    let all: Vec<_> = lines.iter().map(|line| Some(seen(line, space))).collect();
+    draw(ui, &all, theme::wire_color(wire), (None, None));
 }
 
 fn stroke(ui: &Ui, line: &[Pos2], width: f32, color: Color32) {

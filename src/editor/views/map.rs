@@ -13,7 +13,7 @@ use crate::editor::canvas::camera::{Camera, View};
 use crate::editor::drawing::{Drawing, Pad};
 use crate::editor::shade::Look;
 use crate::editor::{image_of, theme};
-use crate::value::{Bounds, Field, Grid, Quantity, Value};
+use crate::value::{Bounds, Field, Grid, Quantity, Sketch, Value};
 
 /// Most samples of a finer part.
 const MOST: usize = 4 << 20;
@@ -145,11 +145,13 @@ impl MapView {
         let painter = ui.painter();
         let Some((_, texture)) = &self.texture else { return };
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        // Curves are drawn where they are.
-        if let Value::Curves(curves) = &shown.value {
+        // Lines are drawn where they are.
+        if let Value::Object(object) = &shown.value
+            && let Sketch::Lines(lines) = object.sketch()
+        {
             painter.rect_filled(view.rect(unit_rect(bounds)), 0.0, Color32::from_gray(32));
             let space = Flat { view: *view, bounds: *bounds, height: None };
-            crate::editor::drawing::plain_curves(ui, &space, curves);
+            crate::editor::drawing::plain_lines(ui, &space, &lines, shown.value.wire_type());
             return;
         }
         painter.image(texture.id(), view.rect(extent(shown, bounds)), whole, Color32::WHITE);
@@ -353,41 +355,19 @@ fn value_at(value: &Value, at: [f64; 2]) -> Option<String> {
             Some(format!("{:.digits$}{}", sample(f, at), unit(f.quantity().unit())))
         }
         Value::Vectors(v) => {
-            let [i, j] = nearest(v.grid(), at);
+            let [i, j] = v.grid().nearest(at);
             let [x, y] = v.row(j)[i];
             Some(format!("({x:.3}, {y:.3})"))
         }
         Value::Colors(c) => {
-            let [i, j] = nearest(c.grid(), at);
+            let [i, j] = c.grid().nearest(at);
             let [r, g, b] = c.row(j)[i].map(|c| (c * 255.0).round() as u8);
             Some(format!("#{r:02x}{g:02x}{b:02x}"))
         }
-        Value::Constraints(c) => {
-            let cell = nearest(c.grid(), at);
-            let height = c.height(cell).map(|h| format!("height {h:.1} m"));
-            let slope = c.gradient(cell).map(|(_, s)| format!("slope {:.1}°", f64::from(s).atan_degrees()));
-            let all: Vec<_> = height.into_iter().chain(slope).collect();
-            Some(if all.is_empty() { "nothing is said".to_owned() } else { all.join(", ") })
-        }
-        Value::Curves(_) => None,
+        Value::Object(object) => object.say(at),
     }
 }
 
-trait AtanDegrees {
-    fn atan_degrees(self) -> f64;
-}
-
-impl AtanDegrees for f64 {
-    fn atan_degrees(self) -> f64 {
-        libm::atan(self).to_degrees()
-    }
-}
-
-fn nearest(grid: &crate::value::Grid, at: [f64; 2]) -> [usize; 2] {
-    let [u, v] = grid.lattice.steps(at[0], at[1]);
-    let index = |w: f64, first: i64, n: usize| (w - first as f64).round().clamp(0.0, (n - 1) as f64) as usize;
-    [index(u, grid.col, grid.cols), index(v, grid.row, grid.rows)]
-}
 
 /// The terrain in units of a thousandth of its longer side.
 fn unit_rect(bounds: &Bounds) -> Rect {

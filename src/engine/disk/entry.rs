@@ -1,6 +1,7 @@
 //! The form of a file of the cache: a line of magic, the length of a JSON header, the header, the samples, and the
 //! BLAKE3 of all before it.
 
+use std::borrow::Cow;
 use std::io::{self, Read, Write};
 
 use serde::{Deserialize, Serialize};
@@ -11,11 +12,11 @@ use crate::engine::key::Key;
 use crate::name::Name;
 use crate::node::{Kind, Summary};
 use crate::ports::Wires;
-use crate::value::{Grid, Lattice, Quantity, Value};
+use crate::value::{Grid, Lattice, Quantity, Value, WireType};
 
 /// Number of the form. It stands in the name of the folder: a change here raises it, and a test holds the two
 /// together.
-pub(super) const FORM: u32 = 2;
+pub(super) const FORM: u32 = 3;
 const MAGIC: &[u8] = b"orograph cache\n";
 /// Longest header; one has some hundred bytes for each output.
 const MOST_HEADER: u64 = 1 << 20;
@@ -32,52 +33,98 @@ struct Header {
 }
 
 #[derive(Serialize, Deserialize)]
-struct Entry {
-    port: String,
-    quantity: String,
-    lattice: (f64, f64, f64, u32),
-    window: (i64, i64, usize, usize),
-    components: u64,
+#[serde(rename_all = "snake_case")]
+enum Entry {
+    /// Samples.
+    Raster {
+        port: String,
+        quantity: String,
+        lattice: (f64, f64, f64, u32),
+        window: (i64, i64, usize, usize),
+        components: u64,
+    },
+    /// An object in its own form.
+    Object { port: String, bytes: u64 },
 }
 
 impl Header {
-    /// Bytes of the samples that follow; none where they do not add up.
+    /// Bytes of the samples and objects that follow; none where they do not add up.
     fn claimed(&self) -> Option<u64> {
-        let values = self.values.iter().map(|e| e.components.checked_mul(4));
+        let values = self.values.iter().map(Entry::claimed);
         let numbers = self.summary.map_or(Some(0), |n| n.checked_mul(8));
         values.chain([numbers]).try_fold(0u64, |sum, part| sum.checked_add(part?))
     }
 }
 
 impl Entry {
-    fn of(port: &str, value: &Value) -> Option<Self> {
+    fn claimed(&self) -> Option<u64> {
+        match self {
+            Self::Raster { components, .. } => components.checked_mul(4),
+            Self::Object { bytes, .. } => Some(*bytes),
+        }
+    }
+
+    /// The entry of a value, and the bytes that follow.
+    fn of<'a>(port: &str, value: &'a Value) -> Option<(Self, Cow<'a, [u8]>)> {
+        let port = port.to_owned();
+        if let Value::Object(object) = value {
+            let data = object.save();
+            return Some((Self::Object { port, bytes: data.len() as u64 }, data.into()));
+        }
         let (g, quantity) = (value.grid()?, value.quantity()?);
         let l = g.lattice;
-        Some(Self {
-            port: port.to_owned(),
+        let entry = Self::Raster {
+            port,
             quantity: quantity.name().to_owned(),
             lattice: (l.origin[0], l.origin[1], l.span, l.intervals),
             window: (g.col, g.row, g.cols, g.rows),
             components: value.components().len() as u64,
-        })
+        };
+        Some((entry, bytemuck::cast_slice(value.components()).into()))
     }
 
-    /// The window, where it is on the lattice of a wanted one and holds it.
-    fn grid(&self, wanted: &Grid) -> Option<Grid> {
-        let (x, y, span, intervals) = self.lattice;
-        let (col, row, cols, rows) = self.window;
-        let near = |start: i64, count: usize| start.abs() <= FARTHEST && count as u64 <= FARTHEST as u64;
-        let grid = Grid { lattice: Lattice { origin: [x, y], span, intervals }, col, row, cols, rows };
-        // Before the numbers are added up they must be such that can be.
-        let sound = col > i64::MIN && row > i64::MIN && near(col, cols) && near(row, rows);
-        (sound && cols.checked_mul(rows).is_some() && grid.contains(wanted)).then_some(grid)
+    /// The value of a port of a kind, from what follows the header; none where it is not what the kind gives, has a fault,
+    /// or does not hold a wanted window.
+    fn value(
+        &self,
+        kind: &Kind,
+        wanted: &Grid,
+        fill: &mut impl FnMut(&mut [u8]) -> io::Result<()>,
+    ) -> io::Result<Option<(Name, Value)>> {
+        let (Self::Raster { port, .. } | Self::Object { port, .. }) = self;
+        let Some(port) = kind.output(port) else { return Ok(None) };
+        let value = match (self, port.wire) {
+            (Self::Object { bytes, .. }, WireType::Object(object)) => {
+                let mut data = vec![0; *bytes as usize];
+                fill(&mut data)?;
+                object.load.and_then(|load| load(&data))
+            }
+            (Self::Raster { quantity, lattice, window, components, .. }, wire) if wire.is_raster() => {
+                let mut data = vec![0f32; *components as usize];
+                fill(bytemuck::cast_slice_mut(&mut data))?;
+                let quantity = Quantity::ALL.into_iter().find(|q| q.name() == quantity);
+                let grid = window_of(*lattice, *window, wanted);
+                let made = quantity.zip(grid);
+                let made = made.and_then(|(quantity, grid)| Value::from_components(wire, grid, quantity, data));
+                made.filter(|value| value.first_not_finite().is_none())
+            }
+            _ => None,
+        };
+        Ok(value.map(|value| (port.name.clone(), value)))
     }
+}
 
-    fn value(&self, kind: &Kind, wanted: &Grid, data: Vec<f32>) -> Option<(Name, Value)> {
-        let port = kind.output(&self.port)?;
-        let quantity = Quantity::ALL.into_iter().find(|q| q.name() == self.quantity)?;
-        Some((port.name.clone(), Value::from_components(port.wire, self.grid(wanted)?, quantity, data)?))
-    }
+/// A window, where it is on the lattice of a wanted one and holds it.
+fn window_of(
+    (x, y, span, intervals): (f64, f64, f64, u32),
+    (col, row, cols, rows): (i64, i64, usize, usize),
+    wanted: &Grid,
+) -> Option<Grid> {
+    let near = |start: i64, count: usize| start.abs() <= FARTHEST && count as u64 <= FARTHEST as u64;
+    let grid = Grid { lattice: Lattice { origin: [x, y], span, intervals }, col, row, cols, rows };
+    // Before the numbers are added up they must be such that can be.
+    let sound = col > i64::MIN && row > i64::MIN && near(col, cols) && near(row, rows);
+    (sound && cols.checked_mul(rows).is_some() && grid.contains(wanted)).then_some(grid)
 }
 
 fn damaged() -> io::Error {
@@ -85,21 +132,21 @@ fn damaged() -> io::Error {
 }
 
 /// The header and the parts that follow it.
-fn parts<'a>(key: &Key, given: &'a Given) -> io::Result<(Vec<u8>, Vec<&'a [u8]>)> {
+fn parts<'a>(key: &Key, given: &'a Given) -> io::Result<(Vec<u8>, Vec<Cow<'a, [u8]>>)> {
     let (byte_order, key) = (1u32.to_ne_bytes(), key.to_string());
-    let (header, parts): (_, Vec<&[u8]>) = match given {
+    let (header, parts): (_, Vec<Cow<'_, [u8]>>) = match given {
         Given::Summary(summary) => {
             let summary = &*summary.0;
             let count = Some(summary.len() as u64);
             (
                 Header { byte_order, key, summary: count, values: Vec::new() },
-                vec![bytemuck::cast_slice(summary)],
+                vec![bytemuck::cast_slice(summary).into()],
             )
         }
         Given::Wires(wires) => {
-            let values = wires.iter().filter_map(|(port, value)| Entry::of(port, value)).collect();
-            let data = wires.iter().map(|(_, v)| bytemuck::cast_slice::<f32, u8>(v.components()));
-            (Header { byte_order, key, summary: None, values }, data.collect())
+            let entries = wires.iter().filter_map(|(port, value)| Entry::of(port, value));
+            let (values, data) = entries.unzip();
+            (Header { byte_order, key, summary: None, values }, data)
         }
     };
     Ok((serde_json::to_vec(&header)?, parts))
@@ -116,7 +163,7 @@ pub(super) fn write(file: &mut impl Write, key: &Key, given: &Given) -> io::Resu
     let (header, parts) = parts(key, given)?;
     let length = (header.len() as u64).to_le_bytes();
     let mut hasher = blake3::Hasher::new();
-    for part in [MAGIC, &length, &header].into_iter().chain(parts) {
+    for part in [MAGIC, &length, &header].into_iter().chain(parts.iter().map(|part| &**part)) {
         hasher.update(part);
         file.write_all(part)?;
     }
@@ -181,10 +228,7 @@ impl<R: Read> Summed<R> {
         }
         let mut wires = Wires::default();
         for entry in &header.values {
-            let mut data = vec![0f32; entry.components as usize];
-            self.fill(bytemuck::cast_slice_mut(&mut data))?;
-            let value =
-                entry.value(kind, wanted, data).filter(|(_, value)| value.first_not_finite().is_none());
+            let value = entry.value(kind, wanted, &mut |bytes| self.fill(bytes))?;
             let (port, value) = value.ok_or_else(damaged)?;
             wires.put(port, value);
         }

@@ -26,6 +26,7 @@ pub mod bezier;
 mod build;
 pub mod edit;
 mod error;
+mod object;
 pub mod smooth;
 mod spec;
 mod track;
@@ -391,10 +392,4 @@ impl Curves {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
-    }
-
-    /// Bytes in memory.
-    pub fn bytes(&self) -> u64 {
-        self.iter().map(Curve::bytes).sum()
-    }
-}
+    }}

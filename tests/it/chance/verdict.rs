@@ -139,8 +139,7 @@ fn tiles(values: &Values, graph: &Graph, grid: Grid) {
 /// The samples of a raster to the bit; what else a value holds as its text.
 fn bits(value: &Value) -> Vec<u32> {
     match value {
-        Value::Curves(curves) => format!("{curves:?}").bytes().map(u32::from).collect(),
-        Value::Constraints(constraints) => format!("{constraints:?}").bytes().map(u32::from).collect(),
+        Value::Object(object) => format!("{object:?}").bytes().map(u32::from).collect(),
         raster => raster.components().iter().map(|x| x.to_bits()).collect(),
     }
 }
