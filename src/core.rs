@@ -28,7 +28,7 @@ pub mod prelude {
     pub use serde::{Deserialize, Serialize};
 
     pub use crate::node::{
-        Context, Cost, Error, FileRequest, Known, Meta, Node, Quantities, Reach, Reads, Result, Row,
+        Context, Cost, Error, FileRequest, Load, Meta, Node, Quantities, Reach, Reads, Result, Row,
         Summarize, Summary,
     };
     pub use crate::ports;

@@ -18,7 +18,7 @@ use crate::name::Name;
 use crate::ports::Ports;
 use crate::source::SourceError;
 use crate::value::curves::CurveError;
-use crate::value::{Grid, Quantity, Terrain, Value, WireType};
+use crate::value::{Grid, Object, Quantity, Terrain, Value, WireType};
 use crate::work::Cancelled;
 
 /// The result of a node.
@@ -216,6 +216,29 @@ impl Cost {
     }
 }
 
+/// What a run is asked for, as far as it is known before it starts: its cost hangs on it.
+#[derive(Clone, Copy)]
+pub struct Load<'a> {
+    /// The grid of the outputs; of a gridless node the base grid, on which it reads fields.
+    pub grid: Grid,
+    /// The world, with its base grid.
+    pub terrain: &'a Terrain,
+    /// The values without a grid at its inputs, where they are known.
+    pub known: Known<'a>,
+}
+
+impl<'a> Load<'a> {
+    /// A run on a grid of which no input is known.
+    pub fn on(grid: Grid, terrain: &'a Terrain) -> Self {
+        Self { grid, terrain, known: &|_| None }
+    }
+
+    /// The object at an input, where it is known.
+    pub fn object<T: Object>(&self, port: &str) -> Option<T> {
+        (self.known)(port)?.object().cloned()
+    }
+}
+
 /// Numbers about the whole terrain, computed on the base grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary(pub Arc<[f64]>);
@@ -395,21 +418,9 @@ pub trait Node:
         Quantity::Number
     }
 
-    /// What a run on an output grid needs beyond inputs and outputs.
-    fn cost(&self, grid: &Grid) -> Cost {
+    /// What a run needs beyond inputs and outputs.
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         Cost::per_sample(grid, 2.0)
-    }
-
-    /// What a run needs when some of its inputs are known: the values without a grid, by port.
-    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
-        let _ = known;
-        self.cost(grid)
-    }
-
-    /// The same where it depends on the base grid, too: what [`views`](Self::views) on it take. The engine asks this.
-    fn cost_with_base(&self, grid: &Grid, base: &Grid, known: Known<'_>) -> Cost {
-        let _ = base;
-        self.cost_with(grid, known)
     }
 
     /// Checks what the schema cannot say: parameters that must fit each other.

@@ -106,7 +106,7 @@ impl Node for Combine {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         Cost::per_sample(grid, if self.mode == Mode::Power { 40.0 } else { 2.0 })
     }
 

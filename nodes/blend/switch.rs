@@ -65,7 +65,7 @@ impl Node for Switch {
         port == self.taken()
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         Cost::per_sample(grid, 0.5)
     }
 

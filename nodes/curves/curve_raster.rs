@@ -57,15 +57,10 @@ impl Node for CurveRaster {
         Reach::Global
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
-        Cost { bytes: raster::BESIDE, ..Cost::per_sample(grid, 15.0) }
-    }
-
-    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
-        match known("curves").as_ref().and_then(Value::object::<Curves>) {
-            Some(curves) => Cost { seconds: raster::seconds(curves, grid), ..self.cost(grid) },
-            None => self.cost(grid),
-        }
+    fn cost(&self, load: &Load<'_>) -> Cost {
+        let usual = Cost { bytes: raster::BESIDE, ..Cost::per_sample(&load.grid, 15.0) };
+        let curves: Option<Curves> = load.object("curves");
+        curves.map_or(usual, |curves| Cost { seconds: raster::seconds(&curves, &load.grid), ..usual })
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { curves }: Inputs) -> Result<Outputs> {

@@ -98,7 +98,7 @@ impl Node for Diffuse {
         Reach::Global
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let (nanoseconds, fields) = match self.quality {
             Quality::Paper => (150.0, 14.0),
             Quality::Converged => (800.0, 34.0),

@@ -77,7 +77,7 @@ impl Node for DiffusePoints {
         Reach::Global
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let (nanoseconds, fields) = match self.surface {
             Surface::Membrane => (300.0, 24.0),
             Surface::ThinPlate => (2500.0, 21.0),

@@ -66,7 +66,7 @@ impl Node for FeatureCurves {
         Reach::Gridless
     }
 
-    fn cost(&self, _: &Grid) -> Cost {
+    fn cost(&self, _: &Load<'_>) -> Cost {
         let numbers = |c: &CurveSpec| {
             let line = c.bezier.len() + c.through.len() + c.line.len();
             line + c.height.len() + c.slope.len() + c.noise.len() + c.envelope.len()

@@ -86,7 +86,7 @@ impl Node for ImportCurves {
         Reach::Gridless
     }
 
-    fn cost(&self, _: &Grid) -> Cost {
+    fn cost(&self, _: &Load<'_>) -> Cost {
         Cost { bytes: 0, seconds: 0.01 }
     }
 

@@ -41,16 +41,11 @@ impl Node for MergeCurves {
         Reach::Gridless
     }
 
-    fn cost(&self, _: &Grid) -> Cost {
-        Cost { bytes: 1 << 20, seconds: 1e-5 }
-    }
-
-    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
-        let of = |port: &str| known(port).as_ref().and_then(Value::object::<Curves>).map_or(0, Curves::len);
+    fn cost(&self, load: &Load<'_>) -> Cost {
+        let of = |port: &str| load.object::<Curves>(port).map_or(0, |curves| curves.len());
         let curves: usize = ["a", "b", "c", "d", "e", "f"].map(of).iter().sum();
-        let cost = self.cost(grid);
         // A pointer for each, twice while they are collected.
-        Cost { bytes: cost.bytes + 32 * curves as u64, seconds: cost.seconds + curves as f64 * 5e-8 }
+        Cost { bytes: (1 << 20) + 32 * curves as u64, seconds: 1e-5 + curves as f64 * 5e-8 }
     }
 
     fn run(&self, _: &Context<'_>, input: Inputs) -> Result<Outputs> {

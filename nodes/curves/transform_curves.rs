@@ -67,14 +67,9 @@ impl Node for TransformCurves {
         Reach::Gridless
     }
 
-    fn cost(&self, _: &Grid) -> Cost {
-        Cost { bytes: 8 << 20, seconds: 1e-3 }
-    }
-
-    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
-        let cost = self.cost(grid);
-        let known = known("curves");
-        let Some(curves) = known.as_ref().and_then(Value::object::<Curves>) else { return cost };
+    fn cost(&self, load: &Load<'_>) -> Cost {
+        let cost = Cost { bytes: 8 << 20, seconds: 1e-3 };
+        let Some(curves) = load.object::<Curves>("curves") else { return cost };
         let pieces: usize = curves.iter().map(|c| c.pieces()).sum();
         let seconds = cost.seconds + curves.len() as f64 * 2e-6 + pieces as f64 * 1e-6;
         Cost { bytes: cost.bytes + 2 * curves.bytes(), seconds }

@@ -149,7 +149,7 @@ impl Node for ImportHeight {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let turned = matches!(self.placement, Placing::TrueSize { rotation, .. } if rotation.0 != 0.0);
         let cost = Cost::per_sample(grid, if turned { 60.0 } else { 8.0 });
         // Prepared columns, and a line of coefficients for each row in work.

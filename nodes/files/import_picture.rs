@@ -108,7 +108,7 @@ impl Node for ImportPicture {
         Reach::local(0.0)
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let cost = Cost::per_sample(grid, if self.is_turned() { 900.0 } else { 250.0 });
         // Prepared columns, and a line of texels for each row in work.
         Cost { bytes: grid.cols as u64 * 192 + (1 << 22), ..cost }

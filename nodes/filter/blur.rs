@@ -58,7 +58,7 @@ impl Node for Blur {
         blur::footprint(*window, self.radius.0)
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let bytes = blur::scratch(grid, self.radius.0);
         Cost { bytes, ..Cost::per_sample(grid, blur::nanoseconds(grid, self.radius.0)) }
     }

@@ -57,7 +57,7 @@ impl Node for Curve {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         Cost { bytes: 1 << 12, ..Cost::per_sample(grid, 20.0) }
     }
 

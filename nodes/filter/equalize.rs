@@ -62,7 +62,7 @@ impl Node for Equalize {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         Cost { bytes: 1 << 14, ..Cost::per_sample(grid, 40.0) }
     }
 

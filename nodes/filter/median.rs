@@ -59,7 +59,7 @@ impl Node for Median {
         median::footprint(*window, self.radius.0)
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let bytes = median::scratch(grid, self.radius.0);
         Cost { bytes, ..Cost::per_sample(grid, median::nanoseconds(grid, self.radius.0)) }
     }

@@ -57,7 +57,7 @@ impl Node for Sharpen {
         blur::footprint(*window, self.radius.0)
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let bytes = blur::scratch(grid, self.radius.0);
         let blurring = Cost { bytes, ..Cost::per_sample(grid, 2.0 + blur::nanoseconds(grid, self.radius.0)) };
         blurring.with_fields(grid, 1.0)

@@ -92,7 +92,7 @@ impl Node for Terrace {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         Cost::per_sample(grid, 25.0)
     }
 

@@ -116,7 +116,7 @@ impl Node for Transform {
         }
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         // Coordinates of the columns, and of a row of places in each thread.
         let bytes = (8 + 16 * rayon::current_num_threads() as u64) * grid.cols as u64;
         Cost { bytes, ..Cost::per_sample(grid, 8.0 + self.interpolation.nanoseconds()) }

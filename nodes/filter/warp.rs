@@ -104,7 +104,7 @@ impl Node for Warp {
         finer.grow_metres(self.limit.0).grow_cells(2)
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         // The noise's columns, and a row of displacement in each thread.
         let rows = 24 * grid.cols as u64 * (rayon::current_num_threads() as u64 + 1);
         let bytes = 2 * Fractal::bytes(self.octaves, grid.cols) + rows;

@@ -122,7 +122,7 @@ impl Node for CellularNoise {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let bytes = Worley::bytes(grid.cols) + 8 * grid.cols as u64;
         Cost { bytes, ..Cost::per_sample(grid, 12.0) }
     }

@@ -138,7 +138,7 @@ impl Node for FractalNoise {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let bytes = Fractal::bytes(self.octaves, grid.cols) + 8 * grid.cols as u64;
         Cost { bytes, ..Cost::per_sample(grid, 1.0 + 4.0 * f64::from(self.octaves)) }
     }

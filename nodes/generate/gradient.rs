@@ -101,7 +101,7 @@ impl Node for Gradient {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         Cost { bytes: 8 * grid.cols as u64, ..Cost::per_sample(grid, 6.0) }
     }
 

@@ -95,7 +95,7 @@ impl Node for Colorize {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         // A cropped copy of each input, and the table of the ramp.
         let cost = Cost::per_sample(grid, 27.0).with_fields(grid, 3.0);
         Cost { bytes: cost.bytes + (1 << 20), ..cost }

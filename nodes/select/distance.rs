@@ -91,7 +91,7 @@ impl Node for Distance {
         Reach::local(self.limit.0)
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let sweeps = if self.side == Side::Signed { 2.0 } else { 1.0 };
         let around = 1.0 + 2.0 * self.limit.0 / grid.cell() / grid.cols.min(grid.rows).max(1) as f64;
         let mut cost = Cost::per_sample(grid, 3.0 + 50.0 * around * sweeps);

@@ -80,7 +80,7 @@ impl Node for Expand {
         window.grow_cells(disk + morphology::reach(self.soft.0, window.cell()))
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let cells = |metres: f64| 2.0 * metres / grid.cell() + 1.0;
         let disks = self.steps().len() as f64;
         let around = grid.grow_metres(self.radius.0 + self.soft.0);

@@ -84,7 +84,7 @@ impl Node for Hillshade {
         derivative::footprint(window, self.scale, terrain.base_cell())
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         derivative::cost(grid, if self.scale.is_some() { 16.0 } else { 8.0 }, 8)
     }
 

@@ -71,7 +71,7 @@ impl Node for Normals {
         derivative::footprint(window, self.scale, terrain.base_cell())
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         derivative::cost(grid, if self.scale.is_some() { 20.0 } else { 12.0 }, 8)
     }
 

@@ -90,11 +90,8 @@ impl Node for Occlusion {
         Extents::new(window, base, &rays.far).field().into_iter().collect()
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
-        self.cost_with_base(grid, grid, &|_| None)
-    }
-
-    fn cost_with_base(&self, grid: &Grid, base: &Grid, _: Known<'_>) -> Cost {
+    fn cost(&self, Load { grid, terrain, .. }: &Load<'_>) -> Cost {
+        let base = terrain.base_grid();
         let lattice = base.lattice;
         let rays = Rays::new(self, grid.lattice, lattice);
         // What lies beyond the apron is not there to be smoothed.

@@ -51,7 +51,7 @@ impl Node for PaintMask {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         let cost = Cost::per_sample(grid, 3.0);
         // Two rows of scratch for each thread.
         Cost {

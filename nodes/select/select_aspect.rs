@@ -77,7 +77,7 @@ impl Node for SelectAspect {
         derivative::footprint(window, self.scale, terrain.base_cell())
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         derivative::cost(grid, if self.scale.is_some() { 30.0 } else { 17.0 }, 8)
     }
 

@@ -98,7 +98,7 @@ impl Node for SelectCurvature {
         derivative::footprint(window, self.scale, terrain.base_cell())
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         derivative::cost(grid, 25.0, 14)
     }
 

@@ -49,7 +49,7 @@ impl Node for SelectHeight {
         Reach::Point
     }
 
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         Cost::per_sample(grid, 3.0)
     }
 

@@ -11,9 +11,9 @@ use super::foretell::Foretold;
 use super::outputs::Outputs;
 use super::plan::{Role, Stage, Task, Wanted};
 use super::program::Step;
-use crate::node::Cost;
+use crate::node::{Cost, Load};
 use crate::ports::MASK;
-use crate::value::Grid;
+use crate::value::{Grid, Terrain};
 
 /// The most memory the tasks hold at once.
 #[derive(Clone, Debug, Default)]
@@ -41,7 +41,7 @@ impl Sizes {
         step: &Step,
         stage: Stage,
         grid: &Grid,
-        base: &Grid,
+        terrain: &Terrain,
         read: Outputs,
         found: Option<&Found>,
         foretold: &Foretold<'_>,
@@ -57,7 +57,7 @@ impl Sizes {
             sample.saturating_mul(grid.len() as u64)
         };
         let output_bytes = if stage == Stage::Summary { SUMMARY_BYTES } else { bytes_of(read) };
-        let mut cost = cost(step, stage, grid, base, read, foretold);
+        let mut cost = cost(step, stage, grid, terrain, read, foretold);
         if stage != Stage::Summary {
             let made = if stage == Stage::Lift { read } else { Outputs::all(&step.kind) };
             cost.seconds += bytes_of(made) as f64 / 4.0 * OUTPUT_NUMBER;
@@ -78,14 +78,23 @@ const OUTPUT_NUMBER: f64 = 4e-9;
 /// A statistic of the whole is a few numbers, or the points of a curve.
 const SUMMARY_BYTES: u64 = 1 << 14;
 
-fn cost(step: &Step, stage: Stage, grid: &Grid, base: &Grid, read: Outputs, foretold: &Foretold<'_>) -> Cost {
+fn cost(
+    step: &Step,
+    stage: Stage,
+    grid: &Grid,
+    terrain: &Terrain,
+    read: Outputs,
+    foretold: &Foretold<'_>,
+) -> Cost {
+    let base = terrain.base_grid();
     let own = match stage {
         Stage::Gridless | Stage::Run | Stage::Base => {
             let known = |port: &str| foretold.input(step, port);
-            step.node.cost_with_base(grid, base, &known).and(step.reading())
+            let grid = if stage == Stage::Gridless { base } else { *grid };
+            step.node.cost(&Load { grid, terrain, known: &known }).and(step.reading())
         }
         Stage::Summary => Cost::per_sample(grid, 4.0),
-        Stage::Lift => lift_cost(step, grid, base, read),
+        Stage::Lift => lift_cost(step, grid, &base, read),
     };
     let mixed =
         !matches!(stage, Stage::Gridless | Stage::Base | Stage::Summary) && step.input(&MASK.name).is_some();

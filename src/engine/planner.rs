@@ -207,7 +207,7 @@ impl<'a> Planner<'a> {
 
     /// Turns drafts into tasks in the order of the steps, sources first; nothing when it is cancelled.
     fn number(self, cancel: &Cancel) -> Option<(Vec<Task>, Results)> {
-        let Self { program, mut drafts, base, .. } = self;
+        let Self { program, mut drafts, .. } = self;
         drafts.sort_by_key(|d| (d.step, d.stage));
         let mut results = Results::default();
         let mut tasks: Vec<Task> = Vec::with_capacity(drafts.len());
@@ -241,7 +241,7 @@ impl<'a> Planner<'a> {
             let known = foretold.take(step, stage, found.as_ref()).map(Wires::bytes);
             let guessed = stage == Stage::Gridless && known.is_none();
             let Sizes { mut cost, output_bytes, file_bytes } =
-                Sizes::new(planned, stage, &grid, &base, read, found.as_ref(), &foretold);
+                Sizes::new(planned, stage, &grid, &program.terrain, read, found.as_ref(), &foretold);
             let output_bytes = known.unwrap_or(output_bytes);
             cost.bytes = cost.bytes.saturating_add(cut_bytes);
             results.0.push((step, stage, grid, tasks.len()));

@@ -8,7 +8,7 @@ use serde_json::{Map, Value as Json, json};
 #[cfg(doc)]
 use super::Meta;
 use super::{
-    Context, Cost, Error, FileRequest, Known, Migration, Node, Quantities, Reach, Reads, Result, SourceFile,
+    Context, Cost, Error, FileRequest, Load, Migration, Node, Quantities, Reach, Reads, Result, SourceFile,
     Summary,
 };
 use crate::name::Name;
@@ -41,18 +41,8 @@ pub trait AnyNode: Debug + Send + Sync {
         Quantity::Number
     }
     /// See [`Node::cost`].
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         Cost::per_sample(grid, 2.0)
-    }
-    /// See [`Node::cost_with`].
-    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
-        let _ = known;
-        self.cost(grid)
-    }
-    /// See [`Node::cost_with_base`].
-    fn cost_with_base(&self, grid: &Grid, base: &Grid, known: Known<'_>) -> Cost {
-        let _ = base;
-        self.cost_with(grid, known)
     }
     /// See [`Node::check`].
     ///
@@ -113,14 +103,8 @@ impl<N: Node> AnyNode for N {
     fn quantity(&self, output: &str, inputs: Quantities<'_>) -> Quantity {
         Node::quantity(self, output, inputs)
     }
-    fn cost(&self, grid: &Grid) -> Cost {
-        Node::cost(self, grid)
-    }
-    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
-        Node::cost_with(self, grid, known)
-    }
-    fn cost_with_base(&self, grid: &Grid, base: &Grid, known: Known<'_>) -> Cost {
-        Node::cost_with_base(self, grid, base, known)
+    fn cost(&self, load: &Load<'_>) -> Cost {
+        Node::cost(self, load)
     }
     fn check(&self) -> Result<()> {
         Node::check(self)

@@ -33,7 +33,8 @@ fn lines(lines: &[SketchLine], side: usize) -> Picture {
     for pair in lines.iter().flat_map(|line| line.windows(2)) {
         let [from, to] = [pair[0].0, pair[1].0].map(|at| [place(at[0], x), place(at[1], y)]);
         let color = pair[1].1.map_or(PLAIN, |height| shade.color(height));
-        let steps = (to[0] - from[0]).abs().max((to[1] - from[1]).abs()).ceil().clamp(1.0, side as f64) as usize;
+        let steps =
+            (to[0] - from[0]).abs().max((to[1] - from[1]).abs()).ceil().clamp(1.0, side as f64) as usize;
         for k in 0..=steps {
             let t = k as f64 / steps as f64;
             let at = [0, 1].map(|i| (from[i] + (to[i] - from[i]) * t).clamp(0.0, side as f64 - 1.0) as usize);

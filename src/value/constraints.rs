@@ -218,7 +218,8 @@ impl Object for Constraints {
     fn say(&self, at: [f64; 2]) -> Option<String> {
         let cell = self.grid.nearest(at);
         let height = self.height(cell).map(|h| format!("height {h:.1} m"));
-        let slope = self.gradient(cell).map(|(_, s)| format!("slope {:.1}°", libm::atan(s.into()).to_degrees()));
+        let slope =
+            self.gradient(cell).map(|(_, s)| format!("slope {:.1}°", libm::atan(s.into()).to_degrees()));
         let all: Vec<_> = height.into_iter().chain(slope).collect();
         Some(if all.is_empty() { "nothing is said".to_owned() } else { all.join(", ") })
     }

@@ -7,11 +7,11 @@ use cpu_time::ThreadTime;
 use orograph::files::vectors::{geojson, svg};
 use orograph::files::{Format, Limits, WriteJob, Writing, encode, read_height};
 use orograph::kit::curves::rasterise;
-use orograph::node::{Cancel, Context, Kind};
+use orograph::node::{Cancel, Context, Kind, Load};
 use orograph::params::page::sections;
 use orograph::params::{Param, Shape};
 use orograph::ports::{MASK, Wires};
-use orograph::value::{Object as _, CurveSpec, Curves, Field, Grid, Quantity, Terrain, Value, WireType};
+use orograph::value::{CurveSpec, Curves, Field, Grid, Object as _, Quantity, Terrain, Value, WireType};
 use serde_json::{Map, Value as Json, json};
 
 use crate::fed::{engine, fed, shipped};
@@ -390,8 +390,12 @@ fn every_kind_that_reads_curves_is_linear_and_its_cost_follows_them() {
     let (grid, cancel) = (terrain.base_grid(), Cancel::default());
     let (mut faults, mut tried) = (Vec::new(), 0);
     for kind in shipped() {
-        let ports: Vec<_> =
-            kind.inputs.iter().filter(|p| p.wire == WireType::Object(Curves::TYPE)).map(|p| p.name.clone()).collect();
+        let ports: Vec<_> = kind
+            .inputs
+            .iter()
+            .filter(|p| p.wire == WireType::Object(Curves::TYPE))
+            .map(|p| p.name.clone())
+            .collect();
         if ports.is_empty() {
             continue;
         }
@@ -404,9 +408,9 @@ fn every_kind_that_reads_curves_is_linear_and_its_cost_follows_them() {
         faults.extend(fault(&kind.id, |n| node.run(&cx, wires(n)).unwrap()));
         let cost = |n: usize| {
             let known = |_: &str| (n > 0).then(|| Value::from(sets[usize::from(n > 1)].clone()));
-            node.cost_with(&grid, &known).seconds
+            node.cost(&Load { known: &known, ..Load::on(grid, &terrain) }).seconds
         };
-        let (none, one, ten) = (node.cost(&grid).seconds, cost(1), cost(10));
+        let (none, one, ten) = (node.cost(&Load::on(grid, &terrain)).seconds, cost(1), cost(10));
         if ten - none < 5.0 * (one - none) || one <= none {
             faults.push(format!(
                 "{}: says {none} s, {one} s for curves, {ten} s for ten times as many",
@@ -427,7 +431,7 @@ fn strokes_cost_what_they_are() {
             (0..points).flat_map(|k| [(k * 7 % 1000) as f64, (k * 13 % 1000) as f64]).collect();
         let stroke = json!({ "path": path, "radius": 30 });
         let set = json!({ "strokes": vec![stroke; n] });
-        kind.parse(set.as_object().unwrap()).unwrap().cost(&grid).seconds
+        kind.parse(set.as_object().unwrap()).unwrap().cost(&Load::on(grid, &Terrain::default())).seconds
     };
     let none = cost(0, 0);
     assert!(cost(100, 10) - none >= 9.0 * (cost(10, 10) - none), "more strokes");

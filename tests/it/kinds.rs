@@ -342,7 +342,7 @@ impl Node for Hog {
     fn reach(&self) -> Reach {
         Reach::Point
     }
-    fn cost(&self, grid: &Grid) -> Cost {
+    fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         Cost::per_sample(grid, 1.0).with_fields(grid, 4.0 * self.share.0)
     }
     fn run(&self, cx: &Context<'_>, _: None) -> Result<One> {

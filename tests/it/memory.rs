@@ -14,10 +14,10 @@ use orograph::graph::Graph;
 use orograph::kit::curves::raster::BESIDE;
 use orograph::kit::curves::rasterise;
 use orograph::name::Name;
-use orograph::node::{Cancel, Context, Kind, Reach, SourceFile};
+use orograph::node::{Cancel, Context, Kind, Load, Reach, SourceFile};
 use orograph::params::Shape;
 use orograph::ports::{MASK, Wires};
-use orograph::value::{Object as _, CurveSpec, Curves, Field, Grid, Quantity, Terrain, Value};
+use orograph::value::{CurveSpec, Curves, Field, Grid, Object as _, Quantity, Terrain, Value};
 use orograph::work::Work;
 use serde_json::{Map, Value as Json, json};
 
@@ -136,7 +136,7 @@ fn said_and_taken(kind: &Kind, set: &Map<String, Json>, size: u32, wider: i64) -
     }
     cx.views = &views;
     let (took, outputs) = peak(|| node.run(&cx, wires));
-    let said = node.cost_with_base(&grid, &terrain.base_grid(), &|_| None).bytes;
+    let said = node.cost(&Load::on(grid, terrain)).bytes;
     Some((said + copies, took.saturating_sub(outputs.ok()?.bytes())))
 }
 

@@ -89,7 +89,7 @@ impl Node for Drive {
         Reach::Gridless
     }
 
-    fn cost(&self, _: &Grid) -> Cost {
+    fn cost(&self, _: &Load<'_>) -> Cost {
         Cost { bytes: 24 * u64::from(self.count), seconds: f64::from(self.count) * 1e-8 }
     }
 
@@ -132,9 +132,9 @@ impl Node for Cloth {
         Reach::Point
     }
 
-    fn cost_with(&self, grid: &Grid, known: Known<'_>) -> Cost {
-        let pegs = known("pegs").as_ref().and_then(Value::object::<Pegs>).map_or(0, |p| p.0.len());
-        Cost { bytes: 8 * pegs as u64, ..self.cost(grid) }
+    fn cost(&self, load: &Load<'_>) -> Cost {
+        let pegs = load.object::<Pegs>("pegs").map_or(0, |pegs| pegs.0.len());
+        Cost { bytes: 8 * pegs as u64, ..Cost::per_sample(&load.grid, 2.0) }
     }
 
     fn run(&self, cx: &Context<'_>, cloth::Inputs { pegs }: cloth::Inputs) -> Result<cloth::Outputs> {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use orograph::context::{Cancel, Context};
 use orograph::kit::hash;
 use orograph::name::Name;
-use orograph::node::{AnyNode, Kind, Summary};
+use orograph::node::{AnyNode, Kind, Load, Summary};
 use orograph::nodes::Registry;
 use orograph::params::{Param, Shape};
 use orograph::ports::Wires;
@@ -298,7 +298,7 @@ fn what_the_sky_reads_does_not_grow_with_the_build() {
         let tile = Grid { col: middle, row: middle, cols: 129, rows: 129, ..whole };
         let near = case.node.footprint("height", &tile, &terrain);
         let far = case.node.views("height", &tile, &terrain);
-        let cost = case.node.cost_with_base(&tile, &terrain.base_grid(), &|_| None);
+        let cost = case.node.cost(&Load::on(tile, &terrain));
         (near.len(), far.iter().map(Grid::len).sum::<usize>(), cost.bytes)
     };
     let ((near, far, bytes), (_, far_before, _)) = (read(16_385), read(2049));

@@ -39,12 +39,7 @@ pub(super) fn lines(ui: &Ui, lines: &[Option<Line>], chosen: Option<usize>, hit:
     draw(ui, lines, theme::wire_color(WireType::Object(Curves::TYPE)), (chosen, hit));
 }
 
-fn draw(
-    ui: &Ui,
-    lines: &[Option<Line>],
-    usual: Color32,
-    (chosen, hit): (Option<usize>, Option<usize>),
-) {
+fn draw(ui: &Ui, lines: &[Option<Line>], usual: Color32, (chosen, hit): (Option<usize>, Option<usize>)) {
     for (i, line) in lines.iter().enumerate() {
         let Some(line) = line else { continue };
         let (width, color) = match (chosen == Some(i), hit == Some(i)) {

@@ -368,7 +368,6 @@ fn value_at(value: &Value, at: [f64; 2]) -> Option<String> {
     }
 }
 
-
 /// The terrain in units of a thousandth of its longer side.
 fn unit_rect(bounds: &Bounds) -> Rect {
     let scale = unit(bounds);

@@ -105,7 +105,8 @@ impl Entry {
                 let quantity = Quantity::ALL.into_iter().find(|q| q.name() == quantity);
                 let grid = window_of(*lattice, *window, wanted);
                 let made = quantity.zip(grid);
-                let made = made.and_then(|(quantity, grid)| Value::from_components(wire, grid, quantity, data));
+                let made =
+                    made.and_then(|(quantity, grid)| Value::from_components(wire, grid, quantity, data));
                 made.filter(|value| value.first_not_finite().is_none())
             }
             _ => None,

@@ -150,7 +150,7 @@ macro_rules! short_form {
                 Reach::Gridless
             }
 
-            fn cost(&self, _: &Grid) -> Cost {
+            fn cost(&self, _: &Load<'_>) -> Cost {
                 $crate::kit::curves::short::cost(self.through.len())
             }
 

@@ -392,4 +392,5 @@ impl Curves {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
-    }}
+    }
+}
