@@ -17,6 +17,7 @@ pub mod text;
 pub mod units;
 pub mod value;
 pub mod whole;
+pub mod widget;
 pub mod work;
 
 #[path = "../nodes/mod.rs"]
@@ -37,4 +38,5 @@ pub mod prelude {
     pub use crate::value::{
         Colors, Constraints, Curves, Field, Grid, Object, Quantity, Raster, Terrain, Value, Vectors,
     };
+    pub use crate::widget::Widget;
 }

@@ -88,7 +88,7 @@ pub mod cli;
 
 pub use orograph_core::{
     context, engine, files, graph, kit, name, node, nodes, params, ports, prelude, render, source, text,
-    units, value, whole, work,
+    units, value, whole, widget, work,
 };
 #[cfg(feature = "editor")]
 pub use orograph_editor as editor;

@@ -7,6 +7,7 @@ use serde_json::{Map, Value as Json};
 
 use crate::node::{Error, Result};
 use crate::text::brief;
+use crate::widget::Widget;
 
 /// One parameter, read from the schema.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +23,7 @@ pub struct Param {
     /// The range a slider offers, where it is narrower than what is allowed (`x-soft`).
     pub soft: Option<[f64; 2]>,
     /// How a panel shows it, where the shape does not say (`x-widget`).
-    pub widget: Option<String>,
+    pub widget: Option<Widget>,
     /// What the numbers of a list are, in turn: `east`, `south`, `height` (`x-items`).
     pub items: Vec<String>,
     /// How it may be written (`examples`).
@@ -98,14 +99,15 @@ fn fields(root: &Json, object: &Json, defaults: &Json) -> Vec<Param> {
         let target = resolve(root, own);
         let soft = own["x-soft"].as_array().and_then(|r| Some([r.first()?.as_f64()?, r.get(1)?.as_f64()?]));
         let items = own["x-items"].as_array().into_iter().flatten().filter_map(Json::as_str);
+        let widget = Widget::in_schema(own).and_then(|first| Some(first.or(Widget::in_schema(target)?)));
         let default = defaults.get(name).or(own.get("default")).cloned().unwrap_or(Json::Null);
         Param {
             name: name.clone(),
             doc: text(own, "description").or(text(target, "description")).unwrap_or_default(),
-            shape: shape(root, own),
+            shape: if widget.is_some() { shape(root, own) } else { Shape::Unknown },
             unit: text(own, "x-unit").or(text(target, "x-unit")),
             soft,
-            widget: text(own, "x-widget").or(text(target, "x-widget")),
+            widget: widget.unwrap_or_default(),
             items: items.map(str::to_owned).collect(),
             example: own["examples"].get(0).or(target["examples"].get(0)).cloned(),
             required: required(name),

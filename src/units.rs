@@ -5,6 +5,7 @@
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+use crate::widget::Widget;
 
 macro_rules! units {
     ($($(#[$meta:meta])* $name:ident = $unit:literal, $min:expr, $max:expr;)+) => {$(
@@ -66,7 +67,7 @@ impl JsonSchema for Seed {
         true
     }
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "integer", "minimum": 0, "maximum": u32::MAX, "x-unit": "1", "x-widget": "seed" })
+        json_schema!({ "type": "integer", "minimum": 0, "maximum": u32::MAX, "x-unit": "1", "x-widget": Widget::Seed })
     }
 }
 
@@ -83,6 +84,6 @@ impl JsonSchema for FilePath {
         true
     }
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "string", "maxLength": 1024, "x-widget": "file" })
+        json_schema!({ "type": "string", "maxLength": 1024, "x-widget": Widget::File })
     }
 }

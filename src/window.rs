@@ -3,7 +3,7 @@
 // Inside, names are those of the whole house.
 use orograph_core::{
     context, engine, files, graph, kit, name, node, nodes, params, ports, render, text, units, value, whole,
-    work,
+    widget, work,
 };
 
 mod editor;

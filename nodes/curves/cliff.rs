@@ -19,7 +19,7 @@ use crate::value::curves::Slope;
 #[serde(default, deny_unknown_fields)]
 pub struct Cliff {
     /// East and south of points that the middle of the wall goes through.
-    #[schemars(length(min = 2, max = 1024), extend("x-widget" = "curve_on_map", "x-items" = ["east", "south"]))]
+    #[schemars(length(min = 2, max = 1024), extend("x-widget" = Widget::CurveOnMap, "x-items" = ["east", "south"]))]
     pub through: Vec<[Metres; 2]>,
     /// Height from foot to edge.
     #[schemars(range(min = 0.0, max = 10_000.0), extend("x-soft" = [0.0, 1000.0]))]

@@ -30,7 +30,7 @@ pub struct FeatureCurves {
     #[schemars(
         length(max = 4096),
         extend(
-            "x-widget" = "curves",
+            "x-widget" = Widget::Curves,
             "examples" = [[{
                 "name": "crest", "through": [1600, 4600, 3400, 3700, 6400, 4200],
                 "height": [0, 500, 0, 0.5, 1100, 20, 1, 650, 0], "slope": [0, 900, 700, -35, -40],

@@ -19,7 +19,7 @@ use crate::value::curves::Slope;
 #[serde(default, deny_unknown_fields)]
 pub struct Hill {
     /// East, south and height of points that the top goes through.
-    #[schemars(length(min = 2, max = 1024), extend("x-widget" = "curve_on_map", "x-items" = ["east", "south", "height"]))]
+    #[schemars(length(min = 2, max = 1024), extend("x-widget" = Widget::CurveOnMap, "x-items" = ["east", "south", "height"]))]
     pub through: Vec<[Metres; 3]>,
     /// Half the width of the flat top.
     #[schemars(range(min = 0.0, max = 100_000.0), extend("x-soft" = [0.0, 500.0]))]

@@ -18,7 +18,7 @@ use crate::prelude::*;
 #[serde(default, deny_unknown_fields)]
 pub struct Curve {
     /// Points from left to right, each a share of the range and what it becomes.
-    #[schemars(length(min = 2, max = 32), extend("x-widget" = "curve", "x-items" = ["share", "becomes"]))]
+    #[schemars(length(min = 2, max = 32), extend("x-widget" = Widget::Curve, "x-items" = ["share", "becomes"]))]
     pub points: Vec<[Ratio; 2]>,
     /// The range of values that the curve stands over.
     pub input: InputRange,

@@ -12,7 +12,7 @@ pub struct Gradient {
     /// How the values run over the terrain.
     pub form: Form,
     /// Middle of the form: metres east and metres south of the middle of the terrain.
-    #[schemars(extend("x-widget" = "point", "x-items" = ["east", "south"]))]
+    #[schemars(extend("x-widget" = Widget::Point, "x-items" = ["east", "south"]))]
     pub center: [Metres; 2],
     /// Height where the form begins: at the low end of a ramp, around a cone or dome.
     #[schemars(range(min = -1.0e5, max = 1.0e5), extend("x-soft" = [-1000.0, 3000.0]))]

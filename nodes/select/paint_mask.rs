@@ -18,7 +18,7 @@ pub struct PaintMask {
     #[schemars(
         length(max = 10_000),
         extend(
-            "x-widget" = "strokes",
+            "x-widget" = Widget::Strokes,
             "examples" = [[
                 { "path": [1500, 2000, 3000, 2400, 4200, 2100], "radius": 450 },
                 { "path": [2800, 2300], "radius": 200, "softness": 1, "strength": 0.5, "value": 0 },

@@ -13,6 +13,7 @@ use crate::node::Error;
 use crate::nodes::Registry;
 use crate::text::printable_json;
 use crate::whole::Known;
+use crate::widget::Widget;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -97,7 +98,7 @@ fn file_problems(opened: &Opened) -> Vec<Problem> {
             found.push(Problem::error(place(parameter), format!("{message}: {file}")).of(id));
         }
         let canonical = parsed.canonical();
-        for p in kind.params().iter().filter(|p| p.widget.as_deref() == Some("file")) {
+        for p in kind.params().iter().filter(|p| p.widget == Some(Widget::File)) {
             if canonical[&p.name] == "" {
                 found.push(Problem::warning(place(&p.name), "no file is chosen").of(id));
             }

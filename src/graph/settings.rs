@@ -7,6 +7,7 @@ use serde_json::{Map, Value as Json};
 
 use super::problem::{Hints, Place, Problem, listed};
 use crate::params::{self, Param};
+use crate::widget::Widget;
 use crate::value::{Geo, MAX_BASE, MAX_EXTENT, MIN_SIZE, Terrain};
 
 /// What the settings may be; a [`Terrain`] is made of them.
@@ -30,7 +31,7 @@ pub(super) struct Settings {
     #[schemars(range(min = -1.0e5, max = 1.0e5), extend("x-unit" = "m"))]
     sea_level: Option<f64>,
     /// Seed of the whole graph; every random choice mixes it in.
-    #[schemars(range(min = 0, max = 4_294_967_295_u32), extend("x-unit" = "1", "x-widget" = "seed"))]
+    #[schemars(range(min = 0, max = 4_294_967_295_u32), extend("x-unit" = "1", "x-widget" = Widget::Seed))]
     seed: u32,
     /// Samples along the longer side of the base grid, on which global nodes run.
     #[schemars(range(min = MIN_SIZE, max = MAX_BASE), extend("x-unit" = "1"))]

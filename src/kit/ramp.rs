@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::color::{oklab_from_srgb, srgb_from_oklab};
 use crate::units::Ratio;
+use crate::widget::Widget;
 
 /// A built-in ramp, or stops of one's own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -43,7 +44,7 @@ pub enum Palette {
         #[schemars(
             length(min = 1, max = 64),
             extend(
-                "x-widget" = "gradient",
+                "x-widget" = Widget::Gradient,
                 "x-items" = ["position", "red", "green", "blue"],
                 "examples" = [[[0.0, 0.1, 0.3, 0.1], [0.6, 0.55, 0.5, 0.45], [1.0, 1.0, 1.0, 1.0]]],
             )

@@ -15,6 +15,7 @@ use crate::name::Name;
 use crate::params::{self, Param};
 use crate::ports::{self, Meaning, Port, Ports, Wires};
 use crate::value::{Grid, Quantity, Terrain};
+use crate::widget::Widget;
 
 /// A node of a graph with its parameters parsed and its type erased; see [`Node`], whose defaults it has.
 pub trait AnyNode: Debug + Send + Sync {
@@ -339,7 +340,7 @@ impl Kind {
     }
 
     fn files(&self) -> impl Iterator<Item = &Param> {
-        self.params().iter().filter(|p| p.widget.as_deref() == Some("file"))
+        self.params().iter().filter(|p| p.widget == Some(Widget::File))
     }
 
     /// A hash of a node's parameters in canonical form, for keys. Names of files are not in it: a file counts by its

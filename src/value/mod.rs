@@ -5,6 +5,7 @@ pub mod curves;
 mod fill;
 mod grid;
 mod object;
+mod quantity;
 mod raster;
 mod terrain;
 
@@ -13,7 +14,8 @@ pub use curves::{Curve, CurveSpec, Curves};
 pub use fill::{Row, fill};
 pub use grid::{Bounds, Grid, Lattice};
 pub use object::{AnyObject, Object, ObjectType, Pin, Sketch, SketchLine, SketchMark};
-pub use raster::{Colors, Field, Quantity, Raster, Sample, Vectors};
+pub use quantity::{Lift, Quantity};
+pub use raster::{Colors, Field, Raster, Sample, Vectors};
 pub use terrain::{Geo, MAX_BASE, MAX_EXTENT, MAX_SIZE, MIN_SIZE, Terrain};
 
 /// The type of a wire: what a port takes or gives.

@@ -9,6 +9,7 @@ use orograph::node::{Cancel, Kind};
 use orograph::nodes::Registry;
 use orograph::params::{Param, Shape};
 use orograph::value::{Curves, Grid, Object as _, Value, WireType};
+use orograph::widget::Widget;
 use serde_json::{Map, Value as Json, json};
 
 use crate::kinds::registry;
@@ -53,7 +54,7 @@ pub(crate) fn engine(threads: usize) -> Engine {
 /// A graph in which one node of a kind is fed busy fields: heights, and masks where the input is one.
 pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> Graph {
     let mut set = set.clone();
-    for p in kind.params().iter().filter(|p| p.widget.as_deref() == Some("file")) {
+    for p in kind.params().iter().filter(|p| p.widget == Some(Widget::File)) {
         let curves = kind.outputs.iter().any(|o| o.wire == WireType::Object(Curves::TYPE));
         let colors = kind.outputs.iter().any(|o| o.wire == WireType::Colors);
         let file = if curves {
@@ -69,7 +70,7 @@ pub(crate) fn fed(kind: &Kind, set: &Map<String, Json>, mask: Option<&str>) -> G
         }
     }
     // Nothing drawn would be nothing tested.
-    for p in kind.params().iter().filter(|p| p.widget.as_deref() == Some("strokes")) {
+    for p in kind.params().iter().filter(|p| p.widget == Some(Widget::Strokes)) {
         set.entry(p.name.clone()).or_insert_with(|| {
             json!([
                 { "path": [300, 400, 1500, 900, 3000, 500], "radius": 450 },

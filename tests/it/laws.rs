@@ -9,6 +9,7 @@ use orograph::graph::Graph;
 use orograph::node::{Cancel, Kind};
 use orograph::params::{Param, Shape};
 use orograph::value::{Grid, Value};
+use orograph::widget::Widget;
 use serde_json::{Map, Value as Json};
 
 use crate::fed::{bits, engine, extremes, fed, grid, outputs, shipped};
@@ -111,7 +112,7 @@ fn every_kind_gives_the_same_bits_on_any_number_of_threads() {
 fn every_allowed_parameter_gives_finite_fields_or_a_clear_refusal() {
     let mut tried = 0;
     for kind in shipped() {
-        for p in kind.params().iter().filter(|p| p.widget.as_deref() != Some("file")) {
+        for p in kind.params().iter().filter(|p| p.widget != Some(Widget::File)) {
             for value in extremes(&p.shape, &p.default) {
                 let set: Map<String, Json> = [(p.name.clone(), value.clone())].into_iter().collect();
                 let g = fed(kind, &set, None);

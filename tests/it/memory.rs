@@ -19,6 +19,7 @@ use orograph::params::Shape;
 use orograph::ports::{MASK, Wires};
 use orograph::value::{CurveSpec, Curves, Field, Grid, Object as _, Quantity, Terrain, Value};
 use orograph::work::Work;
+use orograph::widget::Widget;
 use serde_json::{Map, Value as Json, json};
 
 use crate::fed::{engine, extremes, fed, shipped};
@@ -181,7 +182,7 @@ fn no_kind_takes_more_memory_than_it_says() {
         for wider in [0, 7] {
             faults.extend(modes(kind).iter().filter_map(|set| fault(kind, set, wider)));
         }
-        for p in kind.params().iter().filter(|p| p.widget.as_deref() != Some("file")) {
+        for p in kind.params().iter().filter(|p| p.widget != Some(Widget::File)) {
             for value in extremes(&p.shape, &p.default) {
                 let set: Map<String, Json> = [(p.name.clone(), value)].into_iter().collect();
                 faults.extend(fault(kind, &set, 0));

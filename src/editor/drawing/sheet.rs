@@ -8,6 +8,7 @@ use crate::kit::curves::short::{self, Grain, Ground};
 use crate::kit::paint::Stroke;
 use crate::units::{Metres, Ratio};
 use crate::value::{Curve, CurveSpec};
+use crate::widget::Widget;
 
 /// The drawing of a node.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,13 +26,13 @@ impl Sheet {
     pub(crate) fn of(graph: &Graph, id: NodeId) -> Option<(String, Self)> {
         let node = graph.get(id)?;
         let drawn = |p: &&crate::params::Param| {
-            matches!(p.widget.as_deref(), Some("curves" | "curve_on_map" | "strokes"))
+            matches!(p.widget, Some(Widget::Curves | Widget::CurveOnMap | Widget::Strokes))
         };
         let param = node.kind()?.params().iter().find(drawn)?;
         let value = node.set.get(&param.name).unwrap_or(&param.default).clone();
-        let sheet = match param.widget.as_deref() {
-            Some("curves") => Self::Curves(serde_json::from_value(value).ok()?),
-            Some("strokes") => Self::Strokes(serde_json::from_value(value).ok()?),
+        let sheet = match param.widget {
+            Some(Widget::Curves) => Self::Curves(serde_json::from_value(value).ok()?),
+            Some(Widget::Strokes) => Self::Strokes(serde_json::from_value(value).ok()?),
             _ => {
                 let points: Vec<Vec<f64>> = serde_json::from_value(value).ok()?;
                 // A file written by hand may say anything.

@@ -6,6 +6,7 @@ use serde_json::Value as Json;
 use super::number::bare;
 use super::value::{Edited, Field, edit as edit_value, fresh};
 use crate::params::Shape;
+use crate::widget::Widget;
 
 /// Items shown at once; longer lists scroll in pages.
 const PAGE: usize = 100;
@@ -72,7 +73,7 @@ pub(super) fn edit(
 
 /// Numbers that always come together, side by side.
 fn fixed(ui: &mut Ui, field: &Field<'_>, item: &Shape, items: &mut [Json]) -> Edited {
-    let axes: &[&str] = if field.widget == Some("point") { &["east", "south"] } else { &[] };
+    let axes: &[&str] = if field.widget == Some(Widget::Point) { &["east", "south"] } else { &[] };
     let row = ui.horizontal(|ui| {
         items.iter_mut().enumerate().fold(Edited::No, |edited, (i, one)| {
             let name = match axes.get(i) {

@@ -32,6 +32,7 @@ use crate::node::Kind;
 use crate::params::Param;
 use crate::params::page::{Section, sections};
 use value::{Edited, Field};
+use crate::widget::Widget;
 
 /// What the panel works with for a frame.
 pub(crate) struct Panel<'a> {
@@ -168,10 +169,10 @@ pub(crate) fn name_field(ui: &Ui, id: NodeId) -> egui::Id {
 /// One parameter of some nodes of a kind.
 fn parameter(ui: &mut Ui, panel: &mut Panel<'_>, ids: &[NodeId], param: &Param) {
     if let [id] = *ids {
-        match param.widget.as_deref() {
-            Some("curves") => return curves::panel(ui, panel, id, param),
-            Some("strokes") => return strokes::panel(ui, panel, id, param),
-            Some("curve_on_map") => curves::tool(ui, panel, id),
+        match param.widget {
+            Some(Widget::Curves) => return curves::panel(ui, panel, id, param),
+            Some(Widget::Strokes) => return strokes::panel(ui, panel, id, param),
+            Some(Widget::CurveOnMap) => curves::tool(ui, panel, id),
             _ => (),
         }
     }
@@ -187,7 +188,7 @@ fn parameter(ui: &mut Ui, panel: &mut Panel<'_>, ids: &[NodeId], param: &Param) 
         shape: &param.shape,
         unit: param.unit.as_deref(),
         soft: param.soft,
-        widget: param.widget.as_deref(),
+        widget: param.widget,
         previous: before.as_ref(),
         pick_file: panel.pick_file,
     };
@@ -200,7 +201,7 @@ fn parameter(ui: &mut Ui, panel: &mut Panel<'_>, ids: &[NodeId], param: &Param) 
     if edited == Edited::No || next == value && !mixed {
         return;
     }
-    if param.widget.as_deref() == Some("seed") {
+    if param.widget == Some(Widget::Seed) {
         remember(ui, ids, param, value);
     }
     let label = format!("Set {}", path_of(panel.graph(), ids, param));

@@ -7,6 +7,7 @@ use super::{curve, gradient, list, number};
 use crate::editor::shown;
 use crate::params::{Choice, Param, Shape};
 use crate::text::printable_lines;
+use crate::widget::Widget;
 
 /// What a hand did to a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +41,7 @@ pub(super) struct Field<'a> {
     pub(super) shape: &'a Shape,
     pub(super) unit: Option<&'a str>,
     pub(super) soft: Option<[f64; 2]>,
-    pub(super) widget: Option<&'a str>,
+    pub(super) widget: Option<Widget>,
     /// The value before, for a step back.
     pub(super) previous: Option<&'a Json>,
     pub(super) pick_file: &'a dyn Fn(&str),
@@ -55,7 +56,7 @@ impl<'a> Field<'a> {
             shape: &param.shape,
             unit: param.unit.as_deref(),
             soft: param.soft,
-            widget: param.widget.as_deref(),
+            widget: param.widget,
             previous: None,
             pick_file,
         }
@@ -114,10 +115,10 @@ pub(super) fn labelled(
 /// A widget for a value.
 pub(super) fn edit(ui: &mut Ui, field: &Field<'_>, value: &mut Json) -> Edited {
     match (field.widget, field.shape) {
-        (Some("curve"), _) => return curve::edit(ui, field.name, value),
-        (Some("gradient"), _) => return gradient::edit(ui, field.name, value),
-        (Some("seed"), _) => return number::seed(ui, field, value),
-        (Some("file"), _) => return file(ui, field, value),
+        (Some(Widget::Curve), _) => return curve::edit(ui, field.name, value),
+        (Some(Widget::Gradient), _) => return gradient::edit(ui, field.name, value),
+        (Some(Widget::Seed), _) => return number::seed(ui, field, value),
+        (Some(Widget::File), _) => return file(ui, field, value),
         _ => (),
     }
     match field.shape {

@@ -102,7 +102,7 @@ impl Entry {
             (Self::Raster { quantity, lattice, window, components, .. }, wire) if wire.is_raster() => {
                 let mut data = vec![0f32; *components as usize];
                 fill(bytemuck::cast_slice_mut(&mut data))?;
-                let quantity = Quantity::ALL.into_iter().find(|q| q.name() == quantity);
+                let quantity = Quantity::named(quantity);
                 let grid = window_of(*lattice, *window, wanted);
                 let made = quantity.zip(grid);
                 let made =

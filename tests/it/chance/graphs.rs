@@ -6,6 +6,7 @@ use orograph::graph::{Graph, NodeId};
 use orograph::node::Kind;
 use orograph::nodes::Registry;
 use orograph::params::{Choice, Param, Shape};
+use orograph::widget::Widget;
 use serde_json::{Map, Value as Json, json};
 
 /// Most nodes of a graph.
@@ -56,7 +57,7 @@ impl<'a> Chance<'a> {
             let _ = graph.set_terrain(name, value);
         }
         // There is no file that a graph by chance may name.
-        let reads = |kind: &Kind| kind.params().iter().any(|p| p.widget.as_deref() == Some("file"));
+        let reads = |kind: &Kind| kind.params().iter().any(|p| p.widget == Some(Widget::File));
         let kinds: Vec<_> = Registry::standard().iter().filter(|k| !reads(k)).cloned().collect();
         for i in 0..=self.below(MOST_NODES) {
             let Some(kind) = self.one(&kinds) else { break };
