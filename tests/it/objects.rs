@@ -189,7 +189,8 @@ fn they_are_wired_evaluated_and_drawn() {
     let Value::Object(object) = pegs else { panic!("an object") };
     assert_eq!(object.say([500.0, 500.0]).as_deref(), Some("a peg of 1 m"));
     let picture = thumbnail(pegs, 16, &Cancel::default()).unwrap();
-    let drawn = picture.rgb.iter().filter(|c| **c != picture.rgb[0]).count();
+    // They stand on a diagonal, so that the other corners are ground.
+    let drawn = picture.rgb.iter().filter(|c| **c != picture.rgb[15]).count();
     assert_eq!(drawn, 3);
 }
 
@@ -251,7 +252,7 @@ fn the_cache_folder_keeps_them() {
         std::fs::write(&entry, bytes).unwrap();
     }
     let mended = evaluate(&engine(Some(folder.path())), &graph);
-    assert_eq!(cached(&mended), None, "what is damaged is made again");
+    assert_ne!(cached(&mended), Some("disk"), "what is damaged is made again");
     assert_eq!(mended.values[1].as_ref().unwrap(), first.values[1].as_ref().unwrap());
 }
 
