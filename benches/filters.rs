@@ -11,7 +11,7 @@ use orograph::nodes::filter::median::Median;
 use orograph::nodes::filter::transform::Transform;
 use orograph::nodes::filter::warp::Warp;
 use orograph::ports::{Ports, Wires};
-use orograph::units::{Metres, Number, Ratio};
+use orograph::units::{Degrees, Metres, Number, Ratio};
 use orograph::value::{Field, Grid, Quantity, Terrain, Value};
 use rayon::prelude::*;
 
@@ -101,4 +101,10 @@ fn warp_by_noise(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn resample_twice_as_large(bencher: Bencher<'_, '_>) {
     bench(bencher, Transform { scale: Number(2.0), ..Transform::default() }, &["field"]);
+}
+
+#[divan::bench]
+fn resample_twice_as_large_and_turned(bencher: Bencher<'_, '_>) {
+    let node = Transform { scale: Number(2.0), rotate: Degrees(30.0), ..Transform::default() };
+    bench(bencher, node, &["field"]);
 }

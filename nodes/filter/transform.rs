@@ -1,6 +1,7 @@
 //! Moving, turning, scaling, mirroring.
 
 use crate::kit::derivative;
+use crate::kit::math::nearest_whole;
 use crate::kit::sample::{Interpolation, Sampler, method_for};
 use crate::prelude::*;
 use crate::value::Bounds;
@@ -117,8 +118,8 @@ impl Node for Transform {
     }
 
     fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
-        // Coordinates of the columns, and of a row of places in each thread.
-        let bytes = (8 + 16 * rayon::current_num_threads() as u64) * grid.cols as u64;
+        // Coordinates of the columns.
+        let bytes = 8 * grid.cols as u64;
         Cost { bytes, ..Cost::per_sample(grid, 8.0 + self.interpolation.nanoseconds()) }
     }
 
@@ -133,11 +134,15 @@ impl Node for Transform {
         let method = method_for(quantity, self.interpolation);
         let (lattice, xs) = (field.grid().lattice, cx.grid.xs());
         let field = cx.fill(quantity, |row, out: &mut [f32]| {
-            let places = xs.iter().map(|&x| {
-                let [x, y] = back.of([x, row.y]);
-                lattice.steps(x, y).map(snapped)
-            });
-            sampler.row(method, quantity, &places.collect::<Vec<_>>(), out);
+            let places = |first: usize, [us, vs]: [&mut [f64]; 2]| {
+                for ((u, v), &x) in us.iter_mut().zip(vs).zip(&xs[first..]) {
+                    let [x, y] = back.of([x, row.y]);
+                    let [col, line] = lattice.steps(x, y);
+                    *u = snapped(col);
+                    *v = snapped(line);
+                }
+            };
+            sampler.row(method, quantity, places, out);
         })?;
         Ok(Outputs { field })
     }
@@ -164,9 +169,9 @@ impl Transform {
 const FINEST: f64 = 16.0;
 
 /// A position that is a sample's but for rounding becomes that sample's: whole steps and quarter turns are exact.
+#[inline(always)]
 fn snapped(at: f64) -> f64 {
-    // Rounds by a conversion, which is quicker than `round` on machines of the baseline.
-    let whole = (at + 0.5_f64.copysign(at)) as i64 as f64;
+    let whole = nearest_whole(at);
     if (at - whole).abs() < 1e-7 { whole } else { at }
 }
 
@@ -201,6 +206,7 @@ impl Back {
         }
     }
 
+    #[inline(always)]
     fn of(&self, p: [f64; 2]) -> [f64; 2] {
         let (u, v) = (p[0] - self.to[0], p[1] - self.to[1]);
         [

@@ -105,8 +105,8 @@ impl Node for Warp {
     }
 
     fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
-        // The noise's columns, and a row of displacement in each thread.
-        let rows = 24 * grid.cols as u64 * (rayon::current_num_threads() as u64 + 1);
+        // Where the columns stand, twice, the noise's columns, and a row of displacement in each thread.
+        let rows = 8 * grid.cols as u64 * (rayon::current_num_threads() as u64 + 2);
         let bytes = 2 * Fractal::bytes(self.octaves, grid.cols) + rows;
         Cost {
             bytes,
@@ -127,17 +127,20 @@ impl Node for Warp {
             Some(noise) => Displacement::Noise(noise.each_ref().map(|n| n.over(&xs))),
             None => Displacement::of_fields(self.factor.0, cx, &input),
         };
+        let columns: Vec<f64> = (cx.grid.col..cx.grid.col_end()).map(|col| col as f64 * fine).collect();
         let field = cx.fill(quantity, |row, out: &mut [f32]| {
             let (mut east, mut south) = (vec![0.0; out.len()], vec![0.0; out.len()]);
             displacement.row(row, [&mut east, &mut south]);
-            let places = east.iter().zip(&south).enumerate().map(|(i, (&x, &y))| {
-                let [x, y] = shortened([f64::from(x), f64::from(y)], limit);
-                [
-                    (cx.grid.col + i as i64) as f64 * fine + x * per_metre,
-                    row.row as f64 * fine + y * per_metre,
-                ]
-            });
-            sampler.row(method, quantity, &places.collect::<Vec<_>>(), out);
+            let line = row.row as f64 * fine;
+            let places = |first: usize, [us, vs]: [&mut [f64]; 2]| {
+                let moved = east[first..].iter().zip(&south[first..]).zip(&columns[first..]);
+                for ((u, v), ((&x, &y), &column)) in us.iter_mut().zip(vs).zip(moved) {
+                    let [x, y] = shortened([f64::from(x), f64::from(y)], limit);
+                    *u = column + x * per_metre;
+                    *v = line + y * per_metre;
+                }
+            };
+            sampler.row(method, quantity, places, out);
         })?;
         Ok(Outputs { field })
     }
@@ -174,12 +177,11 @@ impl Inputs {
 const FINEST: f64 = 16.0;
 
 /// A vector of at most some length.
+#[inline(always)]
 fn shortened([x, y]: [f64; 2], limit: f64) -> [f64; 2] {
     let square = x * x + y * y;
-    if square <= limit * limit {
-        return [x, y];
-    }
-    let by = limit / libm::sqrt(square);
+    // A choice of factors vectorises; one of what to return may not.
+    let by = if square <= limit * limit { 1.0 } else { limit / square.sqrt() };
     [x * by, y * by]
 }
 

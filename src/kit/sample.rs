@@ -1,9 +1,12 @@
 //! Reading a field between its samples.
 
+mod bulk;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::kit::simd::{Kernel, Level};
+use self::bulk::SampleRow;
+use crate::kit::simd::Level;
 use crate::value::{Field, Quantity};
 
 /// How a field is read between its samples.
@@ -25,7 +28,7 @@ impl Interpolation {
         match self {
             Self::Nearest => 24.0,
             Self::Linear => 47.0,
-            Self::Cubic => 64.0,
+            Self::Cubic => 12.0,
         }
     }
 }
@@ -41,6 +44,7 @@ pub struct Sampler<'a> {
     cols: usize,
     first: [i64; 2],
     last: [i64; 2],
+    level: Level,
 }
 
 impl<'a> Sampler<'a> {
@@ -48,7 +52,13 @@ impl<'a> Sampler<'a> {
     pub fn new(field: &'a Field) -> Option<Self> {
         let g = field.grid();
         let last = [g.col_end() - 1, g.row_end() - 1];
-        (!g.is_empty()).then(|| Self { data: field.data(), cols: g.cols, first: [g.col, g.row], last })
+        let level = Level::best();
+        (!g.is_empty()).then(|| Self { data: field.data(), cols: g.cols, first: [g.col, g.row], last, level })
+    }
+
+    /// The same on a given instruction set; the bits do not change.
+    pub fn on(self, level: Level) -> Self {
+        Self { level, ..self }
     }
 
     /// The value by a chosen method.
@@ -60,9 +70,17 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// The values at many positions, those of a field of `quantity`: each brought back to what such a field may hold.
-    pub fn row(&self, method: Interpolation, quantity: Quantity, steps: &[[f64; 2]], out: &mut [f32]) {
-        Level::best().run(SampleRow { sampler: *self, method, quantity, steps, out });
+    /// The values of a field of `quantity` at many positions: each brought back to what such a field may hold.
+    ///
+    /// `places` writes the columns and rows of the positions from an index of `out` on, as many as its slices hold.
+    pub fn row(
+        &self,
+        method: Interpolation,
+        quantity: Quantity,
+        places: impl Fn(usize, [&mut [f64]; 2]),
+        out: &mut [f32],
+    ) {
+        self.level.run(SampleRow { sampler: *self, method, quantity, places, out });
     }
 
     /// The nearest sample; of two as near the one to the south or east.
@@ -140,28 +158,6 @@ fn bicubic(lines: [[f32; 4]; 4], s: f32, t: f32) -> f32 {
         *v = catmull_rom([lines[0][k], lines[1][k], lines[2][k], lines[3][k]], t);
     }
     catmull_rom(across, s)
-}
-
-/// Many positions at once.
-struct SampleRow<'a> {
-    sampler: Sampler<'a>,
-    method: Interpolation,
-    quantity: Quantity,
-    steps: &'a [[f64; 2]],
-    out: &'a mut [f32],
-}
-
-impl Kernel for SampleRow<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let Self { sampler, method, quantity, steps, out } = self;
-        let each = out.iter_mut().zip(steps);
-        match method {
-            Interpolation::Nearest => each.for_each(|(o, &at)| *o = sampler.nearest(at)),
-            Interpolation::Linear => each.for_each(|(o, &at)| *o = fit(quantity, sampler.bilinear(at))),
-            Interpolation::Cubic => each.for_each(|(o, &at)| *o = fit(quantity, sampler.bicubic(at))),
-        }
-    }
 }
 
 /// The method that suits what the numbers mean: labels and compass directions are never averaged.

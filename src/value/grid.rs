@@ -35,6 +35,7 @@ impl Lattice {
     }
 
     /// The position of a world point in steps from the origin.
+    #[inline]
     pub fn steps(&self, x: f64, y: f64) -> [f64; 2] {
         let per_metre = f64::from(self.intervals);
         [(x - self.origin[0]) * per_metre / self.span, (y - self.origin[1]) * per_metre / self.span]

@@ -1,6 +1,8 @@
 //! Transform, warp and the sampling they share.
 
 use super::*;
+use orograph::kit::sample::Interpolation;
+use orograph::kit::simd::Level;
 
 #[test]
 fn transform_is_exact_for_whole_cells_quarter_turns_and_mirrors() {
@@ -121,4 +123,62 @@ fn sampling_goes_through_the_samples_and_reproduces_polynomials() {
     let square = |t: f32| 0.5 * t * t - 3.0 * t + 1.0;
     let p = [-1.0, 0.0, 1.0, 2.0].map(square);
     assert!((sample::catmull_rom(p, 0.3) - square(0.3)).abs() < 1e-6);
+}
+
+/// A window of rough heights off the lattice's corner, `cols` by `rows`.
+fn patch(cols: i64, rows: i64) -> Field {
+    rough(&window([-7, 11], [-7 + cols, 11 + rows]))
+}
+
+#[test]
+fn a_row_of_positions_reads_as_each_alone_on_every_instruction_set() {
+    // Places about a window, on its samples, between, beside, and far off; some no numbers at all.
+    let place = |i: usize, [cols, rows]: [i64; 2]| {
+        let part = |k: u64, n: i64| (hash::unit(k, i as u64) * 1.4 - 0.2) * n as f64;
+        let at = [part(1, cols) - 7.0, part(2, rows) + 11.0];
+        match i % 97 {
+            5 => at.map(f64::floor),
+            23 => [at[0].ceil(), at[1]],
+            41 => [at[0], f64::NAN],
+            59 => [1e18, at[1]],
+            77 => [at[0], f64::NEG_INFINITY],
+            _ => at,
+        }
+    };
+    // Inside alone, so that whole blocks are read at once.
+    let inside = |i: usize, [cols, rows]: [i64; 2]| {
+        let part = |k: u64, n: i64| 1.0 + hash::unit(k, i as u64) * (n as f64 - 3.0);
+        [part(3, cols) - 7.0, part(4, rows) + 11.0]
+    };
+    type Place<'a> = &'a dyn Fn(usize, [i64; 2]) -> [f64; 2];
+    for (size, place) in [[1, 1], [3, 9], [4, 4], [5, 4], [37, 1], [61, 43]]
+        .into_iter()
+        .flat_map(|size| [(size, &place as Place<'_>), (size, &inside)])
+    {
+        let field = patch(size[0], size[1]);
+        let sampler = sample::Sampler::new(&field).unwrap();
+        for (method, level, n) in [Interpolation::Nearest, Interpolation::Linear, Interpolation::Cubic]
+            .into_iter()
+            .flat_map(|m| Level::available().into_iter().map(move |l| (m, l)))
+            .flat_map(|(m, l)| [1, 31, 32, 33, 500].map(|n| (m, l, n)))
+        {
+            let mut got = vec![0.0; n];
+            let places = |first: usize, [us, vs]: [&mut [f64]; 2]| {
+                for (i, (u, v)) in us.iter_mut().zip(vs).enumerate() {
+                    [*u, *v] = place(first + i, size);
+                }
+            };
+            sampler.on(level).row(method, Quantity::Elevation, places, &mut got);
+            for (i, &got) in got.iter().enumerate() {
+                let alone = sampler.value(method, place(i, size));
+                let want = if method == Interpolation::Nearest { alone } else { sample::finite(alone) };
+                assert_eq!(
+                    got.to_bits(),
+                    want.to_bits(),
+                    "{size:?} {method:?} {level:?} {:?}",
+                    place(i, size)
+                );
+            }
+        }
+    }
 }
