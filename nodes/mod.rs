@@ -1,7 +1,7 @@
 //! The registry: every node kind, one line each, in folders by family.
 //!
 //! A line `family { file: Struct }` declares the module `nodes/family/file.rs` and registers its kind under the
-//! name of the file.
+//! name of the file; `family with shared` declares a module that its kinds share.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
@@ -11,8 +11,9 @@ use crate::node::Kind;
 use crate::params::did_you_mean;
 
 macro_rules! registry {
-    ($($(#[$doc:meta])* $family:ident { $($file:ident : $kind:ident),* $(,)? })+) => {
+    ($($(#[$doc:meta])* $family:ident $(with $shared:ident)? { $($file:ident : $kind:ident),* $(,)? })+) => {
         $($(#[$doc])* pub mod $family {
+            $(pub mod $shared;)?
             $(pub mod $file;)*
         })+
         static STANDARD: LazyLock<Registry> = LazyLock::new(|| Registry::of([
@@ -38,7 +39,7 @@ registry! {
     }
 
     /// Draws, reads and changes feature curves, and makes land of them.
-    curves {
+    curves with short {
         cliff: Cliff,
         crack: Crack,
         curve_raster: CurveRaster,

@@ -132,7 +132,7 @@ impl<'a> Context<'a> {
     /// When it is gone, cannot be read, or has changed since the plan; when the work was asked to stop.
     pub fn read(&self, parameter: &'static str, file: &SourceFile) -> Result<Vec<u8>> {
         let read = file.read(&self.work);
-        read.map_err(|e| Error::of_source(parameter, file.name(), e))
+        read.map_err(|e| e.of(parameter, file.name()))
     }
 
     /// # Errors

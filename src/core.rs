@@ -6,19 +6,14 @@ pub mod context;
 pub mod engine;
 pub mod files;
 pub mod graph;
-pub mod kit;
-pub mod name;
 pub mod node;
 pub mod params;
-pub mod ports;
 pub mod render;
 pub mod source;
 pub mod text;
-pub mod units;
-pub mod value;
 pub mod whole;
-pub mod widget;
-pub mod work;
+
+pub use orograph_base::{cost, error, kit, name, ports, units, value, widget, work};
 
 #[path = "../nodes/mod.rs"]
 pub mod nodes;
@@ -32,7 +27,7 @@ pub mod prelude {
         Context, Cost, Error, FileRequest, Load, Meta, Node, Quantities, Reach, Reads, Result, Row,
         Summarize, Summary,
     };
-    pub use crate::ports;
+    pub use orograph_base::ports;
     pub use crate::ports::Meaning;
     pub use crate::units::{Degrees, FilePath, Metres, Number, PerMetre, Ratio, Seed};
     pub use crate::value::{

@@ -87,7 +87,7 @@
 pub mod cli;
 
 pub use orograph_core::{
-    context, engine, files, graph, kit, name, node, nodes, params, ports, prelude, render, source, text,
+    context, cost, engine, error, files, graph, kit, name, node, nodes, params, ports, prelude, render, source, text,
     units, value, whole, widget, work,
 };
 #[cfg(feature = "editor")]

@@ -1,7 +1,7 @@
 //! Typed ports: what a node takes and gives.
 
+use crate::error::{Error, Result};
 use crate::name::Name;
-use crate::node::{Error, Result};
 use crate::value::{Colors, Field, Object, Quantity, Value, Vectors, WireType};
 
 /// One input or output of a kind.
@@ -26,7 +26,7 @@ pub enum Meaning {
     Fixed(Quantity),
     /// They mean what those of an input mean; [`Quantity::Number`] where it is not connected.
     Like(Name),
-    /// Parameters or several inputs decide: see [`Node::quantity`](crate::node::Node::quantity).
+    /// Parameters or several inputs decide: see `Node::quantity`.
     Chosen,
     /// It has no numbers.
     Nothing,
@@ -191,7 +191,7 @@ macro_rules! ports {
                 meaning: $crate::meaning!($ty $(= $meaning)?),
             }),*];
             #[allow(unused_variables, reason = "a kind without inputs takes nothing from the wires")]
-            fn take(wires: &mut $crate::ports::Wires) -> $crate::node::Result<Self> {
+            fn take(wires: &mut $crate::ports::Wires) -> $crate::error::Result<Self> {
                 Ok(Self {
                     $($port: <$ty as $crate::ports::Wire>::take(stringify!($port), wires.take(stringify!($port)))?),*
                 })

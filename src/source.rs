@@ -18,6 +18,8 @@ use std::sync::{Arc, OnceLock};
 
 pub use shelf::Shelf;
 
+use crate::cost::Cost;
+use crate::error::Error;
 use crate::work::{Cancelled, Work};
 
 /// Most bytes of [`SourceFile::head`].
@@ -128,6 +130,21 @@ pub enum SourceError {
     /// It is missing, is not allowed, or cannot be read.
     #[error("{0}")]
     Unreadable(String),
+}
+
+impl SourceError {
+    /// The same as a fault of the parameter that names the file.
+    pub fn of(self, parameter: &'static str, file: &str) -> Error {
+        match self {
+            Self::Cancelled => Error::Cancelled,
+            other => Error::File { parameter, file: file.to_owned(), message: other.to_string() },
+        }
+    }
+}
+
+/// The cost of holding the content of some files.
+pub fn reading(files: &[Arc<SourceFile>]) -> Cost {
+    Cost::of_reading(files.iter().fold(0, |sum, file| sum.saturating_add(file.len())))
 }
 
 impl From<Cancelled> for SourceError {

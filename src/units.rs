@@ -3,9 +3,9 @@
 //! Each is a transparent `f64` whose JSON schema carries the unit and the widest range; a parameter narrows the
 //! range with `#[schemars(range(min = …, max = …))]`.
 
+use crate::widget::Widget;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
-use crate::widget::Widget;
 
 macro_rules! units {
     ($($(#[$meta:meta])* $name:ident = $unit:literal, $min:expr, $max:expr;)+) => {$(

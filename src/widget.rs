@@ -27,7 +27,7 @@ pub enum Widget {
 
 impl Widget {
     /// What a schema says under `x-widget`, if it says something; `None` where that is no widget.
-    pub(crate) fn in_schema(schema: &Json) -> Option<Option<Self>> {
+    pub fn in_schema(schema: &Json) -> Option<Option<Self>> {
         let written = schema.get("x-widget");
         written.map_or(Some(None), |text| Self::deserialize(text).ok().map(Some))
     }

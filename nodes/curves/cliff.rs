@@ -1,8 +1,7 @@
 //! A cliff, from few numbers.
 
-use crate::kit::curves::short::{Grain, Ground, Side, curve, extent, places};
+use super::short::{Grain, Ground, Side, curve, extent, places, short_form};
 use crate::prelude::*;
-use crate::short_form;
 use crate::value::curves::Slope;
 
 /// Draws a cliff: ground that rises steeply on one side of a line and falls as steeply on the other.

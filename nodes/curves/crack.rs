@@ -1,8 +1,7 @@
 //! A crack, from few numbers.
 
-use crate::kit::curves::short::{Grain, Ground, curve, extent, places};
+use super::short::{Grain, Ground, curve, extent, places, short_form};
 use crate::prelude::*;
-use crate::short_form;
 use crate::value::curves::Slope;
 
 /// Draws a crack: ground that rises steeply on both sides of a line, whatever its height.

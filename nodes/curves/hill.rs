@@ -1,8 +1,7 @@
 //! A hill, from few numbers.
 
-use crate::kit::curves::short::{Grain, Ground, apart, curve};
+use super::short::{Grain, Ground, apart, curve, short_form};
 use crate::prelude::*;
-use crate::short_form;
 use crate::value::curves::Slope;
 
 /// Draws a hill: heights along a line with level ground beside it, so that it is round on top.

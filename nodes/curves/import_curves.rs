@@ -5,6 +5,7 @@ use crate::files::vectors::svg::{self, Fit};
 use crate::files::vectors::{Imported, MAX_FILE, Mapping};
 use crate::node::SourceFile;
 use crate::prelude::*;
+use crate::source::reading;
 use crate::value::curves::CurveError;
 
 /// Seconds that a byte of text takes.
@@ -102,7 +103,7 @@ impl Node for ImportCurves {
         if files.is_empty() {
             return Err(Error::no_file("file"));
         }
-        let content = Cost::of_reading(files);
+        let content = reading(files);
         if let Some(long) = files.iter().find(|f| f.len() > MAX_FILE as u64) {
             let (file, found) = (long.name().to_owned(), long.len());
             let too_long = CurveError::TooMany { what: "bytes of the file", most: MAX_FILE as u64, found };

@@ -1,8 +1,7 @@
 //! A ridge, from few numbers.
 
-use crate::kit::curves::short::{Grain, Ground, apart, curve};
+use super::short::{Grain, Ground, apart, curve, short_form};
 use crate::prelude::*;
-use crate::short_form;
 use crate::value::curves::Slope;
 
 /// Draws a ridge: a crest of given heights with slopes that fall away on both sides.

@@ -1,8 +1,7 @@
 //! A riverbed, from few numbers.
 
-use crate::kit::curves::short::{Grain, Ground, apart, curve};
+use super::short::{Grain, Ground, apart, curve, short_form};
 use crate::prelude::*;
-use crate::short_form;
 use crate::value::curves::Slope;
 
 /// Draws a riverbed: a flat bed of given heights with banks that rise on both sides.

@@ -9,6 +9,7 @@ use crate::files::{
 };
 use crate::node::SourceFile;
 use crate::prelude::*;
+use crate::source::reading;
 use crate::work::Work;
 
 /// Seconds that decoding a sample takes, with the spline through it.
@@ -166,7 +167,7 @@ impl Node for ImportHeight {
     }
 
     fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
-        let content = Cost::of_reading(files);
+        let content = reading(files);
         let [file, rest @ ..] = files else { return Err(Error::no_file("file")) };
         let late = Codec::of_name(file.name()).is_some_and(|c| !c.claims_early);
         if late && file.known_hash().is_none() {

@@ -8,6 +8,7 @@ use crate::files::{
 };
 use crate::node::SourceFile;
 use crate::prelude::*;
+use crate::source::reading;
 use crate::source::Stream;
 use crate::value::{Raster, Sample};
 
@@ -121,9 +122,9 @@ impl Node for ImportPicture {
     }
 
     fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
-        let read = Cost::of_reading(files);
+        let read = reading(files);
         let Some(file) = files.first() else { return Err(Error::no_file("file")) };
-        let opened = file.open().map_err(|e| Error::of_source("file", file.name(), e))?;
+        let opened = file.open().map_err(|e| e.of("file", file.name()))?;
         let claim = PictureClaim::of(file.name(), &mut Stream::new(&*opened), &Limits::default());
         let claim = claim.map_err(|e| self.fault(e.fault.to_string()))?;
         let pixels = claim.cols.saturating_mul(claim.rows);

@@ -11,6 +11,7 @@ use super::prepared::Prepared;
 use super::sources::Sources;
 use crate::graph::{Graph, GraphNode, NodeId, Place, Problem};
 use crate::name::Name;
+use crate::source;
 use crate::node::{AnyNode, Cancel, Cost, Error, FileRequest, Kind, Reach, SourceFile};
 use crate::value::{Grid, Quantity, Terrain};
 
@@ -87,7 +88,7 @@ impl Ready {
         if self.files.is_empty() {
             return Cost::default();
         }
-        let content = |_| Cost::of_reading(&self.files);
+        let content = |_| source::reading(&self.files);
         *self.reading.get_or_init(|| self.node.reading(&self.files).unwrap_or_else(content))
     }
 
@@ -228,7 +229,7 @@ impl Program {
                 None => None,
                 Some(None) => return Ok(None),
                 Some(Some(hash)) => {
-                    Some(hash.map_err(|e| Error::of_source(request.parameter, &request.name, e))?)
+                    Some(hash.map_err(|e| e.of(request.parameter, &request.name))?)
                 }
             };
             files.push((request, content));

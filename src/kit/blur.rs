@@ -14,8 +14,8 @@
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use crate::error::{Error, Result};
 use crate::kit::simd::{Kernel, Level};
-use crate::node::{Error, Result};
 use crate::value::{Field, Grid};
 use crate::work::{Cancelled, Work};
 

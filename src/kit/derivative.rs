@@ -11,7 +11,8 @@
 
 use super::math::{DEGREES, atan2, compass, within};
 use super::shifted::Shifted;
-use crate::node::{Cost, Reach, Result};
+use crate::cost::{Cost, Reach};
+use crate::error::Result;
 use crate::units::Metres;
 use crate::value::{Field, Grid};
 

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::node::Result;
+use crate::error::Result;
 use crate::value::{Field, Grid, Quantity, fill};
 use crate::work::{Cancelled, Work};
 

@@ -13,7 +13,7 @@ mod lines;
 
 use self::lines::{Columns, Lines, columns_scale, stride};
 use super::morphology;
-use crate::node::{Error, Result};
+use crate::error::{Error, Result};
 use crate::value::{Field, Grid, Lattice, Raster};
 use crate::work::Work;
 

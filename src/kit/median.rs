@@ -11,8 +11,8 @@
 
 use rayon::prelude::*;
 
+use crate::error::{Error, Result};
 use crate::kit::sample::catmull_rom;
-use crate::node::{Error, Result};
 use crate::value::{Field, Grid, fill};
 use crate::work::{Cancelled, Work};
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::math::within;
 use super::shifted::Shifted;
-use crate::node::Result;
+use crate::error::Result;
 use crate::value::{Field, Grid, Raster, fill};
 use crate::work::{Cancelled, Work};
 

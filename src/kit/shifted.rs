@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::node::{Error, Result};
+use crate::error::{Error, Result};
 use crate::value::{Field, Grid};
 
 /// A field under a window of the same lattice, or of a coarser one whose every sample is one of the field's.

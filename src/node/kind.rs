@@ -14,6 +14,7 @@ use super::{
 use crate::name::Name;
 use crate::params::{self, Param};
 use crate::ports::{self, Meaning, Port, Ports, Wires};
+use crate::source;
 use crate::value::{Grid, Quantity, Terrain};
 use crate::widget::Widget;
 
@@ -61,7 +62,7 @@ pub trait AnyNode: Debug + Send + Sync {
     /// # Errors
     /// Those of [`Node::reading`].
     fn reading(&self, files: &[Arc<SourceFile>]) -> Result<Cost> {
-        Ok(Cost::of_reading(files))
+        Ok(source::reading(files))
     }
     /// See [`Node::narrowest`].
     fn narrowest(&self) -> Option<f64> {

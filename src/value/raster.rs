@@ -57,7 +57,7 @@ impl<T: Sample> Raster<T> {
         Self::new(grid, quantity, vec![sample; grid.len()])
     }
 
-    /// Fills a raster point by point on one thread; nodes use [`Context::fill`](crate::node::Context::fill).
+    /// Fills a raster point by point on one thread; nodes use `Context::fill`.
     pub fn from_fn(grid: Grid, quantity: Quantity, f: impl Fn(f64, f64) -> T) -> Self {
         let (xs, f) = (grid.xs(), &f);
         let data = (0..grid.rows).flat_map(|j| {

@@ -5,7 +5,8 @@ use eframe::egui::Pos2;
 
 use super::Space;
 use super::sheet::Sheet;
-use crate::kit::curves::short::{Side, shares};
+use crate::nodes::curves::short::Side;
+use crate::value::curves::bezier::shares;
 use crate::value::curves::bezier::{Point, add, dot, left_of, sub, times};
 use crate::value::curves::edit::share;
 use crate::value::curves::{ConstraintPoint, MAX_ANGLE, MAX_EXTENT, MAX_HEIGHT};

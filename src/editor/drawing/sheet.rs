@@ -4,7 +4,7 @@
 use serde_json::Value as Json;
 
 use crate::graph::{Graph, NodeId};
-use crate::kit::curves::short::{self, Grain, Ground};
+use crate::nodes::curves::short::{self, Grain, Ground};
 use crate::kit::paint::Stroke;
 use crate::units::{Metres, Ratio};
 use crate::value::{Curve, CurveSpec};

@@ -2,7 +2,6 @@
 
 pub mod flatten;
 pub mod raster;
-pub mod short;
 pub mod transform;
 
 pub use raster::{Options, rasterise};

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::node::Result;
+use crate::error::Result;
 use crate::value::{Field, Grid};
 use crate::work::{Cancelled, Work};
 

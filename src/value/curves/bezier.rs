@@ -172,3 +172,21 @@ impl Cubic {
         t
     }
 }
+
+/// The share of the length at the ends of all pieces, from 0 to 1.
+pub fn shares(knots: &[Point]) -> Vec<f64> {
+    let pieces = knots.len().saturating_sub(1) / 3;
+    let piece = |i: usize| Cubic([knots[3 * i], knots[3 * i + 1], knots[3 * i + 2], knots[3 * i + 3]]);
+    let mut sum = 0.0;
+    let mut ends = vec![0.0];
+    for i in 0..pieces {
+        sum += piece(i).length(0.0, 1.0);
+        ends.push(sum);
+    }
+    let last = ends.len() - 1;
+    ends.iter_mut().for_each(|s| *s = if sum > 0.0 { *s / sum } else { 0.0 });
+    if last > 0 {
+        ends[last] = 1.0;
+    }
+    ends
+}

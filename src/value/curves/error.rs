@@ -57,7 +57,8 @@ pub enum CurveError {
 }
 
 impl CurveError {
-    pub(crate) fn file(place: impl Into<String>, message: impl Into<String>) -> Self {
+    /// A fault of a file at a place in it.
+    pub fn file(place: impl Into<String>, message: impl Into<String>) -> Self {
         Self::File { place: place.into(), message: message.into() }
     }
 }

@@ -7,8 +7,7 @@ use crate::files::vectors::collect::Collector;
 use crate::files::vectors::mapping::Line;
 use crate::files::vectors::tally::Notice;
 use crate::files::vectors::{Imported, MAX_POSITIONS, Mapping, Property, short};
-use crate::kit::curves::short::shares;
-use crate::value::curves::bezier::{Point, norm, sub};
+use crate::value::curves::bezier::{Point, norm, shares, sub};
 use crate::value::curves::{CurveError, Fault, smooth};
 
 /// Takes up features one after the other: their lines become curves.

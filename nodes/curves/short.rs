@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::node::Cost;
 use crate::units::{Metres, Ratio};
-use crate::value::curves::bezier::{Cubic, Point};
+use crate::value::curves::bezier::{Point, shares};
 use crate::value::curves::{ConstraintPoint, CurveError, Elevation, Envelope, Fault, Rise, Slope, smooth};
 use crate::value::{Curve, Curves};
 
@@ -90,24 +90,6 @@ pub fn curve(
     Ok(Curves::one(Curve::new(name, knots, &all, Rise::Monotone).map_err(named)?))
 }
 
-/// The share of the length at the ends of all pieces, from 0 to 1.
-pub fn shares(knots: &[Point]) -> Vec<f64> {
-    let pieces = knots.len().saturating_sub(1) / 3;
-    let piece = |i: usize| Cubic([knots[3 * i], knots[3 * i + 1], knots[3 * i + 2], knots[3 * i + 3]]);
-    let mut sum = 0.0;
-    let mut ends = vec![0.0];
-    for i in 0..pieces {
-        sum += piece(i).length(0.0, 1.0);
-        ends.push(sum);
-    }
-    let last = ends.len() - 1;
-    ends.iter_mut().for_each(|s| *s = if sum > 0.0 { *s / sum } else { 0.0 });
-    if last > 0 {
-        ends[last] = 1.0;
-    }
-    ends
-}
-
 /// East and south, and the height, of points given together.
 pub fn apart(points: &[[Metres; 3]]) -> (Vec<Point>, Vec<f64>) {
     (points.iter().map(|p| [p[0].0, p[1].0]).collect(), points.iter().map(|p| p[2].0).collect())
@@ -130,7 +112,6 @@ pub fn cost(points: usize) -> Cost {
 
 /// Makes a struct of parameters with a method `curves` a node kind that gives its feature curve: a short form takes no
 /// input, has no grid and is checked by making the curve.
-#[macro_export]
 macro_rules! short_form {
     ($kind:ident, $keywords:expr) => {
         ports! {
@@ -151,7 +132,7 @@ macro_rules! short_form {
             }
 
             fn cost(&self, _: &Load<'_>) -> Cost {
-                $crate::kit::curves::short::cost(self.through.len())
+                super::short::cost(self.through.len())
             }
 
             fn check(&self) -> Result<()> {
@@ -164,3 +145,4 @@ macro_rules! short_form {
         }
     };
 }
+pub(super) use short_form;
