@@ -133,6 +133,17 @@ impl<'a> Work<'a> {
         band: usize,
         f: impl Fn(usize, &mut [T]) + Sync,
     ) -> Result<(), Cancelled> {
+        // One body for all callers: the machinery of threads is long, and a call a row is nothing.
+        self.each_row(data, cols, band, &f)
+    }
+
+    fn each_row<T: Send>(
+        &self,
+        data: &mut [T],
+        cols: usize,
+        band: usize,
+        f: &(dyn Fn(usize, &mut [T]) + Sync),
+    ) -> Result<(), Cancelled> {
         let (cols, band) = (cols.max(1), band.max(1));
         let (count, done) = (data.len().div_ceil(cols), AtomicUsize::new(0));
         data.par_chunks_mut(cols * band).enumerate().try_for_each(|(b, rows)| {

@@ -5,11 +5,9 @@ use std::sync::{Arc, OnceLock};
 
 use serde_json::{Map, Value as Json, json};
 
-#[cfg(doc)]
-use super::Meta;
 use super::{
-    Context, Cost, Error, FileRequest, Load, Migration, Node, Quantities, Reach, Reads, Result, SourceFile,
-    Summary,
+    Context, Cost, Error, FileRequest, Load, Meta, Migration, Node, Quantities, Reach, Reads, Result,
+    SourceFile, Summary,
 };
 use crate::name::Name;
 use crate::params::{self, Param};
@@ -179,34 +177,38 @@ impl Kind {
     /// The kind of a struct of this program.
     pub fn of<N: Node>(family: &'static str, id: &'static str) -> Self {
         let parse = |json: &Json| -> Result<Arc<dyn AnyNode>> {
-            let node = N::deserialize(json).map_err(|e| Error::Parameter {
-                name: "set".into(),
-                message: format!("cannot be read: {e}"),
-            })?;
+            let node = N::deserialize(json).map_err(|e| unreadable(&e))?;
             Ok(Arc::new(node))
         };
-        let names = |all: &'static [&'static str]| all.iter().copied().map(Name::new_static).collect();
-        let pairs = |all: &'static [(&'static str, &'static str)]| {
+        let schema = || schemars::schema_for!(N).to_value();
+        let defaults = || serde_json::to_value(N::default()).unwrap_or(Json::Null);
+        let kind = Self::new(Name::new_static(family), Name::new_static(id), parse);
+        let kind = Self { schema: Box::new(schema), defaults: Box::new(defaults), ..kind };
+        kind.declared(N::META, N::In::PORTS, N::Out::PORTS)
+    }
+
+    /// What does not depend on the type of the node: one body for all kinds.
+    fn declared(self, meta: Meta, inputs: &[Port], outputs: &[Port]) -> Self {
+        let names = |all: &[&'static str]| all.iter().copied().map(Name::new_static).collect();
+        let pairs = |all: &[(&'static str, &'static str)]| {
             let named = |(output, input): &(&'static str, &'static str)| {
                 (Name::new_static(output), Name::new_static(input))
             };
             all.iter().map(named).collect()
         };
         let kind = Self {
-            version: N::META.version,
-            cite: names(N::META.cite),
-            keywords: names(N::META.keywords),
-            reads: N::META.reads,
-            carries: pairs(N::META.carries),
-            migrations: N::META.migrations.to_vec(),
-            quick: N::META.quick,
-            inputs: N::In::PORTS.to_vec(),
-            outputs: N::Out::PORTS.to_vec(),
-            schema: Box::new(|| schemars::schema_for!(N).to_value()),
-            defaults: Box::new(|| serde_json::to_value(N::default()).unwrap_or(Json::Null)),
-            ..Self::new(Name::new_static(family), Name::new_static(id), parse)
+            version: meta.version,
+            cite: names(meta.cite),
+            keywords: names(meta.keywords),
+            reads: meta.reads,
+            carries: pairs(meta.carries),
+            migrations: meta.migrations.to_vec(),
+            quick: meta.quick,
+            inputs: inputs.to_vec(),
+            outputs: outputs.to_vec(),
+            ..self
         };
-        kind.mixing(pairs(N::META.mixes))
+        kind.mixing(pairs(meta.mixes))
     }
 
     /// A kind without ports and parameters, in its first version, whose nodes are made by `parse`.
@@ -215,9 +217,13 @@ impl Kind {
         id: impl Into<Name>,
         parse: impl Fn(&Json) -> Result<Arc<dyn AnyNode>> + Send + Sync + 'static,
     ) -> Self {
+        Self::bare(family.into(), id.into(), Box::new(parse))
+    }
+
+    fn bare(family: Name, id: Name, parse: Parser) -> Self {
         Self {
-            id: id.into(),
-            family: family.into(),
+            id,
+            family,
             version: 1,
             cite: Vec::new(),
             keywords: Vec::new(),
@@ -230,7 +236,7 @@ impl Kind {
             outputs: Vec::new(),
             schema: Box::new(|| json!({ "type": "object" })),
             defaults: Box::new(|| json!({})),
-            parse: Box::new(parse),
+            parse,
             params: OnceLock::new(),
         }
     }
@@ -355,6 +361,10 @@ impl Kind {
         }
         *blake3::hash(json.to_string().as_bytes()).as_bytes()
     }
+}
+
+fn unreadable(e: &serde_json::Error) -> Error {
+    Error::Parameter { name: "set".into(), message: format!("cannot be read: {e}") }
 }
 
 impl Debug for Kind {
