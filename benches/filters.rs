@@ -3,6 +3,7 @@
 //! Throughput is bytes read and written once: 8 a sample for one input, 12 for two.
 
 use divan::{Bencher, counter::BytesCount};
+use orograph::engine;
 use orograph::kit::hash;
 use orograph::node::{Cancel, Context, Node};
 use orograph::nodes::blend::combine::{self, Combine};
@@ -10,6 +11,7 @@ use orograph::nodes::filter::blur::Blur;
 use orograph::nodes::filter::median::Median;
 use orograph::nodes::filter::transform::Transform;
 use orograph::nodes::filter::warp::Warp;
+use orograph::nodes::select::colorize::{self, Colorize};
 use orograph::ports::{Ports, Wires};
 use orograph::units::{Degrees, Metres, Number, Ratio};
 use orograph::value::{Field, Grid, Quantity, Terrain, Value};
@@ -107,4 +109,28 @@ fn resample_twice_as_large(bencher: Bencher<'_, '_>) {
 fn resample_twice_as_large_and_turned(bencher: Bencher<'_, '_>) {
     let node = Transform { scale: Number(2.0), rotate: Degrees(30.0), ..Transform::default() };
     bench(bencher, node, &["field"]);
+}
+
+#[divan::bench]
+fn colorize(bencher: Bencher<'_, '_>) {
+    let range = colorize::Range::Fixed { low: Number(0.0), high: Number(1000.0) };
+    let (terrain, cancel, at) = (terrain(), Cancel::default(), grid());
+    let (cx, node) = (Context::bare(at, &terrain, &cancel), Colorize { range, ..Colorize::default() });
+    let field = noise(&at);
+    // Three numbers are written for one that is read.
+    bencher.counter(BytesCount::new(at.len() * 16)).bench(|| {
+        let input = colorize::Inputs { field: field.clone(), shade: None, slope: None };
+        node.run(&cx, input).unwrap_or_else(|e| panic!("{e}"))
+    });
+}
+
+/// From the base grid to twice as many samples.
+#[divan::bench]
+fn lift(bencher: Bencher<'_, '_>) {
+    let (terrain, cancel, at) = (terrain(), Cancel::default(), grid());
+    let cx = Context::bare(at, &terrain, &cancel);
+    let base = Value::Field(noise(&terrain.base_grid()));
+    bencher
+        .counter(BytesCount::new(at.len() * 5))
+        .bench(|| engine::lift(&cx, &base).unwrap_or_else(|e| panic!("{e}")));
 }

@@ -97,7 +97,7 @@ impl Node for Colorize {
 
     fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
         // A cropped copy of each input, and the table of the ramp.
-        let cost = Cost::per_sample(grid, 27.0).with_fields(grid, 3.0);
+        let cost = Cost::per_sample(grid, 18.0).with_fields(grid, 3.0);
         Cost { bytes: cost.bytes + (1 << 20), ..cost }
     }
 
@@ -129,27 +129,31 @@ impl Node for Colorize {
         };
         // A field of one value takes the first colour.
         let per_unit = if high > low { 1.0 / (high - low) } else { 0.0 };
-        let share = |v: f32| {
-            let t = ((f64::from(v) - low) * per_unit) as f32;
-            if self.reverse { 1.0 - t } else { t }
-        };
+        // A choice of numbers, made once, so that nothing is chosen for a sample.
+        let (whole, turn) = if self.reverse { (1.0, -1.0) } else { (0.0, 1.0) };
+        let share = |v: f32| whole + turn * ((f64::from(v) - low) * per_unit) as f32;
         let ramp = Ramp::of(&self.palette, self.blend);
         let field = input.field.crop(&cx.grid);
         let shade = input.shade.map(|f| f.crop(&cx.grid));
         let slope = input.slope.map(|f| f.crop(&cx.grid)).filter(|_| self.palette == Palette::Satellite);
         let strength = self.shading.0 as f32;
         let colors = cx.fill(Quantity::Color, |row, out: &mut [[f32; 3]]| {
-            let values = field.row(row.j).iter().map(|&v| share(v));
+            let values = field.row(row.j);
             match &slope {
-                Some(slope) => out
-                    .iter_mut()
-                    .zip(values.zip(slope.row(row.j)))
-                    .for_each(|(o, (t, &slope))| *o = ramp::satellite(t, slope)),
-                None => out.iter_mut().zip(values).for_each(|(o, t)| *o = ramp.color(t)),
+                Some(slope) => {
+                    let each = out.iter_mut().zip(values.iter().zip(slope.row(row.j)));
+                    each.for_each(|(o, (&v, &slope))| *o = ramp::satellite(share(v), slope));
+                }
+                None => {
+                    let places = |first: usize, ts: &mut [f32]| {
+                        ts.iter_mut().zip(&values[first..]).for_each(|(t, &v)| *t = share(v));
+                    };
+                    ramp.row(places, out);
+                }
             }
             for (o, s) in out.iter_mut().zip(shade.iter().flat_map(|s| s.row(row.j))) {
                 let factor = 1.0 - strength * (1.0 - s.clamp(0.0, 1.0));
-                *o = o.map(|v| v * factor);
+                *o = [o[0] * factor, o[1] * factor, o[2] * factor];
             }
         })?;
         Ok(Outputs { colors })

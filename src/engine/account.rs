@@ -117,9 +117,9 @@ fn lift_cost(step: &Step, grid: &Grid, base: &Grid, read: Outputs) -> Cost {
 
 /// Nanoseconds a sample: a window cut out of the base grid, a spline evaluated, a change looked for, a spline fitted.
 const LIFT_COPY: f64 = 1.0;
-const LIFT_SAMPLE: f64 = 6.0;
+const LIFT_SAMPLE: f64 = 3.5;
 const LIFT_CHANGE: f64 = 4.0;
-const LIFT_FIT: f64 = 10.0;
+const LIFT_FIT: f64 = 7.0;
 /// Nanoseconds a channel and sample of mixing by a mask.
 const MIX_SAMPLE: f64 = 2.5;
 

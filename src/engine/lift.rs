@@ -1,5 +1,7 @@
 //! Carrying results of the base grid to other grids (law 3).
 
+use std::borrow::Cow;
+
 use crate::kit::spline::{Spline, Tap};
 use crate::name::Name;
 use crate::node::{Context, Error, Result};
@@ -8,7 +10,10 @@ use crate::value::{Field, Grid, Quantity, Raster, Sample, Value};
 /// A base-grid result on another grid: a cubic B-spline through the base samples, exact where the two grids share a
 /// point; masks stay between 0 and 1, directions turn as vectors, labels come from the nearest sample. Beyond the
 /// base grid its border value continues.
-pub(super) fn lift(cx: &Context<'_>, base: &Value) -> Result<Value> {
+///
+/// # Errors
+/// [`Error::Cancelled`] when the work was asked to stop.
+pub fn lift(cx: &Context<'_>, base: &Value) -> Result<Value> {
     Ok(match base {
         Value::Field(f) => Value::Field(lift_field(cx, f)?),
         Value::Vectors(v) => Value::Vectors(lift_channels(cx, v, |x| x)?),
@@ -42,7 +47,7 @@ pub(super) fn carry(cx: &Context<'_>, fine: &Value, before: &Value, after: &Valu
         let v = at.rows[row.j];
         spline.row(v, &taps, out);
         let changed = ChangedRows::around(&change, base, v);
-        for ((o, f), tap) in out.iter_mut().zip(fine.row(row.j)).zip(&taps) {
+        for ((o, f), tap) in out.iter_mut().zip(fine.row(row.j)).zip(taps.iter()) {
             *o = if changed.near(tap) { bounded(f + *o, quantity) } else { *f };
         }
     })?;
@@ -75,16 +80,33 @@ impl<'a> ChangedRows<'a> {
 struct Positions {
     cols: Vec<f64>,
     rows: Vec<f64>,
+    /// Columns that the two grids share: of the grid, and of the base grid.
+    shared: Vec<(usize, usize)>,
 }
 
 impl Positions {
     fn new(grid: &Grid, base: &Grid) -> Self {
         // Formed as `index · base intervals / intervals`, so that a shared point is a whole number exactly.
         let scale = |i: i64| i as f64 * f64::from(base.lattice.intervals) / f64::from(grid.lattice.intervals);
-        let cols = (grid.col..grid.col_end()).map(|c| scale(c) - base.col as f64).collect();
+        let cols: Vec<_> = (grid.col..grid.col_end()).map(|c| scale(c) - base.col as f64).collect();
         let rows = (grid.row..grid.row_end()).map(|r| scale(r) - base.row as f64).collect();
-        Self { cols, rows }
+        let shared = cols.iter().enumerate().filter_map(|(i, &u)| Some((i, whole(u, base.cols)?))).collect();
+        Self { cols, rows, shared }
     }
+
+    /// Puts the base samples themselves where the two grids share a point, free of the rounding of the weights.
+    fn keep_shared_points<T: Sample>(&self, base: &Raster<T>, j: usize, out: &mut [T]) {
+        let Some(r) = whole(self.rows[j], base.grid().rows) else { return };
+        let row = base.row(r);
+        for &(i, c) in &self.shared {
+            out[i] = row[c];
+        }
+    }
+}
+
+/// The index that a position among `n` samples is, where it is one.
+fn whole(position: f64, n: usize) -> Option<usize> {
+    (position.fract() == 0.0 && position >= 0.0 && position < n as f64).then_some(position as usize)
 }
 
 fn lift_field(cx: &Context<'_>, base: &Field) -> Result<Field> {
@@ -110,34 +132,29 @@ fn lift_channels<T: Sample>(
         return Ok(base.crop(&cx.grid));
     }
     let all: &[f32] = bytemuck::cast_slice(base.data());
-    let channel = |k: usize| -> Vec<f32> { all.iter().skip(k).step_by(T::CHANNELS).copied().collect() };
+    let channel = |k: usize| match T::CHANNELS {
+        1 => Cow::Borrowed(all),
+        n => all.iter().skip(k).step_by(n).copied().collect(),
+    };
     let splines: Vec<_> = (0..T::CHANNELS).map(|k| Spline::fit(grid.cols, grid.rows, &channel(k))).collect();
     let at = Positions::new(&cx.grid, grid);
     let taps = splines[0].taps(at.cols.iter().copied());
     cx.fill(base.quantity(), |row, out: &mut [T]| {
         let v = at.rows[row.j];
-        let mut line = vec![0.0; out.len()];
-        for (k, spline) in splines.iter().enumerate() {
-            spline.row(v, &taps, &mut line);
-            let out: &mut [f32] = bytemuck::cast_slice_mut(out);
-            for (o, &x) in out.iter_mut().skip(k).step_by(T::CHANNELS).zip(&line) {
-                *o = finish(x);
+        let flat: &mut [f32] = bytemuck::cast_slice_mut(&mut *out);
+        if let [spline] = splines.as_slice() {
+            spline.row(v, &taps, flat);
+            flat.iter_mut().for_each(|o| *o = finish(*o));
+        } else {
+            let mut line = vec![0.0; flat.len() / splines.len()];
+            for (k, spline) in splines.iter().enumerate() {
+                spline.row(v, &taps, &mut line);
+                let each = flat.iter_mut().skip(k).step_by(splines.len());
+                each.zip(&line).for_each(|(o, &x)| *o = finish(x));
             }
         }
-        keep_shared_points(base, &at, row.j, out);
+        at.keep_shared_points(base, row.j, out);
     })
-}
-
-/// Puts the base samples themselves where the two grids share a point, free of the rounding of the weights.
-fn keep_shared_points<T: Sample>(base: &Raster<T>, at: &Positions, j: usize, out: &mut [T]) {
-    let grid = base.grid();
-    let whole = |p: f64, n: usize| (p.fract() == 0.0 && p >= 0.0 && p < n as f64).then_some(p as usize);
-    let Some(r) = whole(at.rows[j], grid.rows) else { return };
-    for (o, &u) in out.iter_mut().zip(&at.cols) {
-        if let Some(c) = whole(u, grid.cols) {
-            *o = base.row(r)[c];
-        }
-    }
 }
 
 fn nearest(cx: &Context<'_>, base: &Field) -> Result<Field> {
@@ -165,7 +182,7 @@ fn lift_direction(cx: &Context<'_>, base: &Field) -> Result<Field> {
     let at = Positions::new(&cx.grid, base.grid());
     let mut data = out.data().to_vec();
     for (j, row) in data.chunks_mut(cx.grid.cols).enumerate() {
-        keep_shared_points(base, &at, j, row);
+        at.keep_shared_points(base, j, row);
     }
     out = Raster::new(cx.grid, Quantity::Direction, data);
     Ok(out)

@@ -34,6 +34,7 @@ pub use disk::DEFAULT_LIMIT as DEFAULT_CACHE_BYTES;
 pub use error::{Cause, EngineError, Failure, SharedFailure, bytes};
 pub use files::{Files, kept_folders, on_this_system};
 pub use key::Key;
+pub use lift::lift;
 pub use memory::{default_budget, process_peak, process_seconds};
 pub use plan::{Plan, PlannedTask, Stage};
 pub use run::{Observer, TaskReport, Unobserved};

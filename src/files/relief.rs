@@ -7,7 +7,7 @@ use super::place::Placement;
 use super::placing::{Placed, SNAP};
 use super::reading::Reading;
 use super::voids::fill_voids;
-use crate::kit::spline::{Spline, Tap};
+use crate::kit::spline::{Spline, Taps};
 use crate::units::Metres;
 use crate::work::Work;
 
@@ -70,7 +70,7 @@ pub struct Relief {
 #[derive(Debug)]
 pub struct Columns {
     positions: Vec<f64>,
-    taps: Vec<Tap>,
+    taps: Taps,
     /// Columns that stand on a column of the file, and on which.
     exact: Vec<(usize, usize)>,
 }
@@ -155,7 +155,7 @@ impl Relief {
     pub fn columns(&self, positions: impl Iterator<Item = f64>) -> Columns {
         let positions: Vec<f64> = positions.map(|p| held(p, self.cols)).collect();
         let exact = positions.iter().enumerate().filter_map(|(k, p)| Some((k, whole(*p)?))).collect();
-        let taps = self.spline.iter().flat_map(|s| s.taps(positions.iter().copied())).collect();
+        let taps = self.spline.as_ref().map_or_else(Taps::default, |s| s.taps(positions.iter().copied()));
         Columns { positions, taps, exact }
     }
 

@@ -3,6 +3,8 @@
 //! Ramps run through Oklab \[ottosson2020\], so that the colours between two stops are neither muddy nor banded, and
 //! give sRGB-encoded colours, as a picture file holds them.
 
+mod bulk;
+
 use std::sync::LazyLock;
 
 use schemars::JsonSchema;
@@ -118,15 +120,23 @@ pub enum Blend {
 /// Table steps between two stops: far below what an eye or 8 bits can tell.
 const STEPS: usize = 64;
 
+/// Entries of the table for a piece: the last is its end.
+const PIECE: usize = STEPS + 1;
+
 /// A ramp made ready: colours between stops are read from a table.
 #[derive(Clone, Debug)]
 pub struct Ramp {
-    /// Where each piece of the ramp starts, rising; and one over its length.
+    /// Where each piece of the ramp starts, rising, the first at 0 or before; and one over its length.
     pieces: Vec<(f32, f32)>,
-    /// `STEPS + 1` colours for each piece.
-    table: Vec<[f32; 3]>,
-    /// Colour at and above the last stop.
-    last: [f32; 3],
+    /// The steps of each piece, and one for the colour at and above the last stop.
+    table: Vec<Step>,
+}
+
+/// A colour, and what the next has more.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    color: [f32; 3],
+    rise: [f32; 3],
 }
 
 impl Ramp {
@@ -148,9 +158,9 @@ impl Ramp {
 
     /// A ramp that follows a function instead of stops.
     fn follow(function: impl Fn(f32) -> [f32; 3]) -> Self {
-        let mut ramp = Self { pieces: Vec::new(), table: Vec::new(), last: function(1.0) };
-        ramp.push(0.0, 1.0, function);
-        ramp
+        let mut ramp = Self { pieces: Vec::new(), table: Vec::new() };
+        ramp.push(0.0, 1.0, &function);
+        ramp.finish(function(1.0))
     }
 
     /// A ramp through stops, in any order; black when there is none.
@@ -158,9 +168,8 @@ impl Ramp {
     /// Below the first stop and above the last their colours continue.
     pub fn new(mut stops: Vec<Stop>, blend: Blend) -> Self {
         stops.sort_by(|a, b| a.at.total_cmp(&b.at));
-        let mut ramp = Self { pieces: Vec::new(), table: Vec::new(), last: [0.0; 3] };
-        let Some((first, last)) = stops.first().zip(stops.last()) else { return ramp };
-        ramp.last = last.color;
+        let mut ramp = Self { pieces: Vec::new(), table: Vec::new() };
+        let Some((first, last)) = stops.first().zip(stops.last()) else { return ramp.finish([0.0; 3]) };
         if first.at > 0.0 {
             ramp.push(0.0, first.at, |_| first.color);
         }
@@ -183,29 +192,35 @@ impl Ramp {
                 });
             }
         }
-        ramp
+        ramp.finish(last.color)
     }
 
     fn push(&mut self, start: f32, width: f32, color: impl Fn(f32) -> [f32; 3]) {
         self.pieces.push((start, 1.0 / width));
-        self.table.extend((0..=STEPS).map(|k| color(k as f32 / STEPS as f32)));
+        let colors: Vec<_> = (0..PIECE).map(|k| color(k as f32 / STEPS as f32)).collect();
+        let next = colors.iter().skip(1).chain(colors.last());
+        self.table.extend(colors.iter().zip(next).map(|(&color, next)| Step {
+            // A sum with 0 turns −0 into 0, which a step of no length would.
+            color: color.map(|v| v + 0.0),
+            rise: [next[0] - color[0], next[1] - color[1], next[2] - color[2]],
+        }));
+    }
+
+    /// Ends a ramp with the colour at and above its last stop, and gives it a piece where it has none.
+    fn finish(mut self, last: [f32; 3]) -> Self {
+        if self.pieces.is_empty() {
+            self.push(0.0, 1.0, |_| last);
+        }
+        self.table.push(Step { color: last.map(|v| v + 0.0), rise: [0.0; 3] });
+        self
     }
 
     /// The colour at `t`, sRGB encoded, from 0 to 1; `t` is clipped to 0 to 1, NaN counts as 0.
     pub fn color(&self, t: f32) -> [f32; 3] {
-        let t = if t > 0.0 { t.min(1.0) } else { 0.0 };
-        let Some(piece) = self.pieces.partition_point(|&(start, _)| start <= t).checked_sub(1) else {
-            return self.last;
-        };
-        let (start, per_width) = self.pieces[piece];
-        let u = (t - start) * per_width;
-        if u >= 1.0 {
-            return self.pieces.get(piece + 1).map_or(self.last, |_| self.table[(piece + 1) * (STEPS + 1)]);
-        }
-        let steps = u * STEPS as f32;
-        let k = (steps as usize).min(STEPS - 1);
-        let at = piece * (STEPS + 1) + k;
-        mix(self.table[at], self.table[at + 1], steps - k as f32)
+        let (mut at, mut step) = ([t], [0]);
+        self.find(&mut at, &mut step);
+        let (Step { color, rise }, share) = (&self.table[step[0] as usize], at[0]);
+        [0, 1, 2].map(|k| color[k] + rise[k] * share)
     }
 }
 
@@ -284,6 +299,7 @@ fn viridis(t: f32) -> [f32; 3] {
     [channel(0), channel(1), channel(2)]
 }
 
+#[inline(always)]
 fn mix(a: [f32; 3], b: [f32; 3], u: f32) -> [f32; 3] {
     [a[0] + (b[0] - a[0]) * u, a[1] + (b[1] - a[1]) * u, a[2] + (b[2] - a[2]) * u]
 }
@@ -390,6 +406,7 @@ const DIVERGING: [(f32, u32); 7] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kit::simd::Level;
 
     fn near(a: [f32; 3], b: [f32; 3], tolerance: f32) -> bool {
         (0..3).all(|k| (a[k] - b[k]).abs() <= tolerance)
@@ -433,6 +450,54 @@ mod tests {
         let ramp = Ramp::builtin("viridis").unwrap();
         for (t, hex) in [(0.0, 0x440154), (0.5, 0x21918c), (1.0, 0xfde725)] {
             assert!(near(ramp.color(t), srgb_from_hex(hex), 0.02), "{t}: {:?}", ramp.color(t));
+        }
+    }
+
+    /// A colour as it is looked up by itself.
+    fn plain(ramp: &Ramp, t: f32) -> [f32; 3] {
+        let t = if t > 0.0 { t.min(1.0) } else { 0.0 };
+        let begun = ramp.pieces.partition_point(|&(start, _)| start <= t);
+        let (start, per_width) = ramp.pieces[begun - 1];
+        let u = (t - start) * per_width;
+        if u >= 1.0 {
+            return ramp.table[begun * PIECE].color;
+        }
+        let along = u * STEPS as f32;
+        let k = (along as usize).min(STEPS - 1);
+        let (a, b) = (ramp.table[(begun - 1) * PIECE + k], ramp.table[(begun - 1) * PIECE + k + 1]);
+        [0, 1, 2].map(|c| a.color[c] + (b.color[c] - a.color[c]) * (along - k as f32))
+    }
+
+    #[test]
+    fn a_row_has_the_colours_of_its_places_on_every_instruction_set() {
+        let place = |i: usize| match i % 37 {
+            3 => f32::NAN,
+            9 => f32::INFINITY,
+            17 => -0.0,
+            21 => 1.0,
+            k => (i as f32 * 0.618_034).fract() * 1.2 - if k == 5 { 0.5 } else { 0.1 },
+        };
+        let stop = |at: f32, v: f32| Stop { at, color: [v, 1.0 - v, 0.5 * v] };
+        let edges = vec![stop(0.2, 0.1), stop(0.5, 0.9), stop(0.5, 0.3), stop(0.5, 0.7), stop(0.8, 0.2)];
+        let ramps = Palette::BUILTIN.iter().flat_map(|(_, palette)| {
+            [Blend::Smooth, Blend::Linear, Blend::Steps].map(|blend| Ramp::of(palette, blend))
+        });
+        let own = [vec![], vec![stop(0.4, 0.5)], edges].map(|stops| Ramp::new(stops, Blend::Smooth));
+        for ramp in ramps.chain(own) {
+            for (level, n) in
+                Level::available().into_iter().flat_map(|level| [(level, 1), (level, 64), (level, 777)])
+            {
+                let mut row = vec![[f32::NAN; 3]; n];
+                let places = |first: usize, ts: &mut [f32]| {
+                    ts.iter_mut().enumerate().for_each(|(i, t)| *t = place(first + i));
+                };
+                ramp.row_on(level, places, &mut row);
+                for (i, got) in row.iter().enumerate() {
+                    let want = plain(&ramp, place(i)).map(f32::to_bits);
+                    assert_eq!(ramp.color(place(i)).map(f32::to_bits), want);
+                    assert_eq!(got.map(f32::to_bits), want, "{i} of {n} at {} on {level:?}", place(i));
+                }
+            }
         }
     }
 

@@ -3,7 +3,13 @@
 //! Along each axis the coefficients solve `c[i-1] + 4 c[i] + c[i+1] = 6 f[i]` with natural ends (no curvature at
 //! the border), so that a slope runs straight up to the edge; beyond the edge the border value continues.
 
+mod rows;
+
 use rayon::prelude::*;
+
+use self::rows::RowKernel;
+pub use self::rows::Taps;
+use crate::kit::simd::Level;
 
 /// A cubic B-spline through `cols` x `rows` samples one step apart.
 #[derive(Clone, Debug)]
@@ -51,14 +57,18 @@ impl Spline {
         let (wide, tall) = (cols + 2, rows + 2);
         let mut coefficients = vec![0.0; wide * tall];
         let factors = Factors::new(cols);
-        coefficients[wide..wide * (rows + 1)].par_chunks_mut(wide).zip(samples.par_chunks(cols)).for_each(
-            |(line, samples)| {
+        let inner = &mut coefficients[wide..wide * (rows + 1)];
+        let bands = inner.par_chunks_mut(TOGETHER * wide).zip(samples.par_chunks(TOGETHER * cols));
+        bands.for_each(|(lines, samples)| {
+            for (line, samples) in lines.chunks_mut(wide).zip(samples.chunks(cols)) {
                 line[1..=cols].copy_from_slice(samples);
-                factors.solve(&mut line[1..=cols], 1, 1);
+            }
+            factors.solve_lines(lines, wide, cols);
+            for line in lines.chunks_mut(wide) {
                 line[0] = extrapolate(line[1], line[2.min(cols)]);
                 line[cols + 1] = extrapolate(line[cols], line[(cols - 1).max(1)]);
-            },
-        );
+            }
+        });
         let mut spline = Self { cols, rows, coefficients };
         spline.solve_columns();
         spline
@@ -92,29 +102,18 @@ impl Spline {
     }
 
     /// The taps of positions along the columns, for [`row`](Self::row).
-    pub fn taps(&self, positions: impl Iterator<Item = f64>) -> Vec<Tap> {
-        positions.map(|p| Tap::at(p, self.cols)).collect()
+    pub fn taps(&self, positions: impl Iterator<Item = f64>) -> Taps {
+        Taps::new(positions.map(|p| Tap::at(p, self.cols)).collect())
     }
 
     /// The values at one position `v` down the rows and the taps of many columns.
-    pub fn row(&self, v: f64, taps: &[Tap], out: &mut [f32]) {
-        let (y, wide) = (Tap::at(v, self.rows), self.cols + 2);
-        // Only the stretch of the line that the taps reach is put together: a tile of a large raster is small.
-        let reach = |(lo, hi): (usize, usize), t: &Tap| (lo.min(t.first), hi.max(t.first + 4));
-        let (from, to) = taps.iter().fold((usize::MAX, 0), reach);
-        let mut line = vec![0.0f32; to.saturating_sub(from)];
-        let lines = 4.min(self.rows + 2 - y.first);
-        for (j, weight) in y.weights.iter().enumerate().take(lines) {
-            let row = &self.coefficients[(y.first + j) * wide..][..wide];
-            for (sum, c) in line.iter_mut().zip(row.get(from..).unwrap_or(&[])) {
-                *sum += c * weight;
-            }
-        }
-        for (o, tap) in out.iter_mut().zip(taps) {
-            let c = &line[tap.first - from..][..4];
-            let w = tap.weights;
-            *o = c[0] * w[0] + c[1] * w[1] + c[2] * w[2] + c[3] * w[3];
-        }
+    pub fn row(&self, v: f64, taps: &Taps, out: &mut [f32]) {
+        self.row_on(Level::best(), v, taps, out);
+    }
+
+    /// As [`row`](Self::row) on a given instruction set; the bits do not change.
+    pub fn row_on(&self, level: Level, v: f64, taps: &Taps, out: &mut [f32]) {
+        level.run(RowKernel { spline: self, down: Tap::at(v, self.rows), taps, out });
     }
 
     /// Bytes of the coefficients.
@@ -122,6 +121,9 @@ impl Spline {
         size_of_val(self.coefficients.as_slice()) as u64
     }
 }
+
+/// Lines that are solved side by side: each step waits for the one before, those of other lines do not.
+const TOGETHER: usize = 4;
 
 fn extrapolate(edge: f32, inner: f32) -> f32 {
     2.0 * edge - inner
@@ -137,6 +139,34 @@ impl Factors {
             factors[i] = 1.0 / (4.0 - factors[i - 1]);
         }
         Self(factors.into_iter().map(|f| f as f32).collect())
+    }
+
+    /// Solves lines in place, each `wide` values long with its samples from the second on.
+    fn solve_lines(&self, lines: &mut [f32], wide: usize, cols: usize) {
+        let (a, rest) = lines.split_at_mut(wide.min(lines.len()));
+        let (b, rest) = rest.split_at_mut(wide.min(rest.len()));
+        let (c, d) = rest.split_at_mut(wide.min(rest.len()));
+        if d.len() == wide {
+            return self.solve_together([a, b, c, d].map(|line| &mut line[1..=cols]));
+        }
+        for line in [a, b, c].into_iter().filter(|line| !line.is_empty()) {
+            self.solve(&mut line[1..=cols], 1, 1);
+        }
+    }
+
+    /// As [`solve`](Self::solve) for several rows.
+    fn solve_together(&self, mut lines: [&mut [f32]; TOGETHER]) {
+        let n = self.0.len();
+        for i in 1..n.saturating_sub(1) {
+            for x in &mut lines {
+                x[i] = (6.0 * x[i] - x[i - 1]) * self.0[i];
+            }
+        }
+        for i in (1..n.saturating_sub(1)).rev() {
+            for x in &mut lines {
+                x[i] -= x[i + 1] * self.0[i];
+            }
+        }
     }
 
     /// Solves in place for lines of `len` values laid `stride` apart: `stride` and `len` 1 for a row, the row
@@ -217,6 +247,71 @@ mod tests {
             }
         }
         m
+    }
+
+    /// A row as it is put together sample by sample.
+    fn plain_row(s: &Spline, v: f64, taps: &Taps) -> Vec<f32> {
+        let (y, wide) = (Tap::at(v, s.rows), s.cols + 2);
+        let down = |c: usize| {
+            let rows = (0..4.min(s.rows + 2 - y.first)).zip(y.weights);
+            rows.fold(0.0, |sum, (j, w)| {
+                sum + s.coefficients.get((y.first + j) * wide + c).unwrap_or(&0.0) * w
+            })
+        };
+        let down = |c: usize| if c < wide { down(c) } else { 0.0 };
+        let across = |t: &Tap| {
+            let (c, w) = ([0, 1, 2, 3].map(|k| down(t.first + k)), t.weights);
+            c[0] * w[0] + c[1] * w[1] + c[2] * w[2] + c[3] * w[3]
+        };
+        taps.iter().map(across).collect()
+    }
+
+    #[test]
+    fn rows_are_what_their_samples_are_alone_on_every_instruction_set() {
+        for (cols, rows) in [(1, 1), (2, 5), (40, 7), (67, 31)] {
+            let s = Spline::fit(cols, rows, &rough(cols, rows));
+            // Whole ratios and others, windows that begin between samples, lie off the corner and beyond the border.
+            for (step, start) in [
+                (0.5, 0.0),
+                (0.5, -20.0),
+                (0.25, 3.75),
+                (1.0 / 3.0, -1.0),
+                (0.37, 2.0),
+                (2.0, 0.0),
+                (1e-3, 5.0),
+            ] {
+                for n in [1, 7, 150, 301] {
+                    let taps = s.taps((0..n).map(|i| start + f64::from(i) * step));
+                    for v in [-3.0, 0.0, 1.5, 4.3, rows as f64 - 1.0, rows as f64] {
+                        let want = plain_row(&s, v, &taps);
+                        for level in Level::available() {
+                            let mut got = vec![f32::NAN; want.len()];
+                            s.row_on(level, v, &taps, &mut got);
+                            let same = got.iter().zip(&want).all(|(a, b)| a.to_bits() == b.to_bits());
+                            assert!(same, "{cols} x {rows}, {n} by {step} from {start} at {v} on {level:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lines_solved_together_are_what_each_is_alone() {
+        for (cols, rows) in [(1, 4), (2, 4), (3, 9), (50, 6), (33, 8)] {
+            let f = rough(cols, rows);
+            let whole = Spline::fit(cols, rows, &f);
+            for (r, line) in f.chunks(cols).enumerate() {
+                let factors = Factors::new(cols);
+                let mut alone = line.to_vec();
+                factors.solve(&mut alone, 1, 1);
+                let mut lines = vec![0.0; 4 * (cols + 2)];
+                lines[cols + 2..][1..=cols].copy_from_slice(line);
+                factors.solve_lines(&mut lines, cols + 2, cols);
+                assert_eq!(&lines[cols + 2..][1..=cols], alone, "row {r} of {cols} x {rows}");
+            }
+            assert_eq!(whole.rows, rows);
+        }
     }
 
     #[test]
