@@ -27,11 +27,11 @@ pub mod prelude {
         Context, Cost, Error, FileRequest, Load, Meta, Node, Quantities, Reach, Reads, Result, Row,
         Summarize, Summary,
     };
-    pub use orograph_base::ports;
     pub use crate::ports::Meaning;
     pub use crate::units::{Degrees, FilePath, Metres, Number, PerMetre, Ratio, Seed};
     pub use crate::value::{
         Colors, Constraints, Curves, Field, Grid, Object, Quantity, Raster, Terrain, Value, Vectors,
     };
     pub use crate::widget::Widget;
+    pub use orograph_base::ports;
 }

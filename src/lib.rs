@@ -87,8 +87,8 @@
 pub mod cli;
 
 pub use orograph_core::{
-    context, cost, engine, error, files, graph, kit, name, node, nodes, params, ports, prelude, render, source, text,
-    units, value, whole, widget, work,
+    context, cost, engine, error, files, graph, kit, name, node, nodes, params, ports, prelude, render,
+    source, text, units, value, whole, widget, work,
 };
 #[cfg(feature = "editor")]
 pub use orograph_editor as editor;

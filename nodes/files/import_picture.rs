@@ -8,8 +8,8 @@ use crate::files::{
 };
 use crate::node::SourceFile;
 use crate::prelude::*;
-use crate::source::reading;
 use crate::source::Stream;
+use crate::source::reading;
 use crate::value::{Raster, Sample};
 
 /// Reads colours and a mask from a picture and lays them on the terrain.

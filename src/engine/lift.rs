@@ -2,10 +2,11 @@
 
 use std::borrow::Cow;
 
+use crate::kit::rows::lerp;
 use crate::kit::spline::{Spline, Tap};
 use crate::name::Name;
 use crate::node::{Context, Error, Result};
-use crate::value::{Field, Grid, Quantity, Raster, Sample, Value};
+use crate::value::{Field, Grid, Lift, Quantity, Raster, Sample, Value};
 
 /// A base-grid result on another grid: a cubic B-spline through the base samples, exact where the two grids share a
 /// point; masks stay between 0 and 1, directions turn as vectors, labels come from the nearest sample. Beyond the
@@ -110,16 +111,40 @@ fn whole(position: f64, n: usize) -> Option<usize> {
 }
 
 fn lift_field(cx: &Context<'_>, base: &Field) -> Result<Field> {
-    match base.quantity() {
+    let quantity = base.quantity();
+    match quantity.lift() {
         _ if base.grid().contains(&cx.grid) => Ok(base.crop(&cx.grid)),
-        Quantity::Label => nearest(cx, base),
-        Quantity::Direction => lift_direction(cx, base),
-        quantity => lift_channels(cx, base, |x| bounded(x, quantity)),
+        Lift::Nearest => nearest(cx, base),
+        Lift::Turning => lift_direction(cx, base),
+        Lift::Linear => linear(cx, base),
+        Lift::Spline | Lift::Share => lift_channels(cx, base, |x| bounded(x, quantity)),
     }
 }
 
 fn bounded(x: f32, quantity: Quantity) -> f32 {
-    if quantity == Quantity::Mask { x.clamp(0.0, 1.0) } else { x }
+    match quantity.lift() {
+        Lift::Share => x.clamp(0.0, 1.0),
+        _ if quantity.may_be_negative() => x,
+        _ => x.max(0.0),
+    }
+}
+
+/// Linear between the four samples around a point; beyond the base grid its border value continues.
+fn linear(cx: &Context<'_>, base: &Field) -> Result<Field> {
+    let (grid, at) = (base.grid(), Positions::new(&cx.grid, base.grid()));
+    let between = |p: f64, n: usize| {
+        let p = p.clamp(0.0, (n - 1) as f64);
+        let first = (p as usize).min(n.saturating_sub(2));
+        (first, (first + 1).min(n - 1), (p - first as f64) as f32)
+    };
+    let cols: Vec<_> = at.cols.iter().map(|&u| between(u, grid.cols)).collect();
+    cx.fill(base.quantity(), |row, out| {
+        let (top, bottom, t) = between(at.rows[row.j], grid.rows);
+        let (top, bottom) = (base.row(top), base.row(bottom));
+        for (o, &(left, right, s)) in out.iter_mut().zip(&cols) {
+            *o = lerp(lerp(top[left], top[right], s), lerp(bottom[left], bottom[right], s), t);
+        }
+    })
 }
 
 fn lift_channels<T: Sample>(
@@ -186,4 +211,44 @@ fn lift_direction(cx: &Context<'_>, base: &Field) -> Result<Field> {
     }
     out = Raster::new(cx.grid, Quantity::Direction, data);
     Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::node::Cancel;
+    use crate::value::Terrain;
+
+    /// A river one cell wide on dry ground: the area that drains through each sample.
+    fn river(quantity: Quantity) -> Field {
+        let grid = Terrain { base: 17, ..Terrain::default() }.base_grid();
+        let area = |i: usize| if i % 17 == 8 { 1e6 } else { 100.0 };
+        Field::new(grid, quantity, (0..17 * 17).map(area).collect())
+    }
+
+    fn lifted(base: &Field, size: u32) -> Field {
+        let terrain = Terrain { base: 17, ..Terrain::default() };
+        let cancel = Cancel::default();
+        let cx = Context::bare(terrain.grid(size).expect("a size"), &terrain, &cancel);
+        let Ok(Value::Field(field)) = lift(&cx, &Value::Field(base.clone())) else { panic!("a field") };
+        field
+    }
+
+    #[test]
+    fn areas_stay_between_the_samples_around_them() {
+        let (low, high) = lifted(&river(Quantity::Area), 129).range().expect("samples");
+        assert_eq!((low, high), (100.0, 1e6));
+        let (low, _) = lifted(&river(Quantity::Number), 129).range().expect("samples");
+        assert!(low < -1e5, "a spline swings below, to {low}");
+    }
+
+    #[test]
+    fn areas_are_linear_and_exact_at_shared_points() {
+        let (base, fine) = (river(Quantity::Area), lifted(&river(Quantity::Area), 33));
+        assert_eq!(fine.quantity(), Quantity::Area);
+        for (j, i) in (0..33).flat_map(|j| (0..33).map(move |i| (j, i))) {
+            let [left, right] = [base.row(j / 2)[i / 2], base.row(j.div_ceil(2))[i.div_ceil(2)]];
+            assert_eq!(fine.row(j)[i], (left + right) / 2.0, "column {i}, row {j}");
+        }
+    }
 }

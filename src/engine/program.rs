@@ -11,8 +11,8 @@ use super::prepared::Prepared;
 use super::sources::Sources;
 use crate::graph::{Graph, GraphNode, NodeId, Place, Problem};
 use crate::name::Name;
-use crate::source;
 use crate::node::{AnyNode, Cancel, Cost, Error, FileRequest, Kind, Reach, SourceFile};
+use crate::source;
 use crate::value::{Grid, Quantity, Terrain};
 
 /// The parsed part of a graph that some wanted nodes need.
@@ -228,9 +228,7 @@ impl Program {
             let content = match file.as_ref().map(|f| f.known_hash()) {
                 None => None,
                 Some(None) => return Ok(None),
-                Some(Some(hash)) => {
-                    Some(hash.map_err(|e| e.of(request.parameter, &request.name))?)
-                }
+                Some(Some(hash)) => Some(hash.map_err(|e| e.of(request.parameter, &request.name))?),
             };
             files.push((request, content));
         }

@@ -7,8 +7,8 @@ use serde_json::{Map, Value as Json};
 
 use super::problem::{Hints, Place, Problem, listed};
 use crate::params::{self, Param};
-use crate::widget::Widget;
 use crate::value::{Geo, MAX_BASE, MAX_EXTENT, MIN_SIZE, Terrain};
+use crate::widget::Widget;
 
 /// What the settings may be; a [`Terrain`] is made of them.
 #[derive(JsonSchema)]

@@ -18,8 +18,8 @@ use orograph::node::{Cancel, Context, Kind, Load, Reach, SourceFile};
 use orograph::params::Shape;
 use orograph::ports::{MASK, Wires};
 use orograph::value::{CurveSpec, Curves, Field, Grid, Object as _, Quantity, Terrain, Value};
-use orograph::work::Work;
 use orograph::widget::Widget;
+use orograph::work::Work;
 use serde_json::{Map, Value as Json, json};
 
 use crate::fed::{engine, extremes, fed, shipped};

@@ -4,8 +4,8 @@
 use serde_json::Value as Json;
 
 use crate::graph::{Graph, NodeId};
-use crate::nodes::curves::short::{self, Grain, Ground};
 use crate::kit::paint::Stroke;
+use crate::nodes::curves::short::{self, Grain, Ground};
 use crate::units::{Metres, Ratio};
 use crate::value::{Curve, CurveSpec};
 use crate::widget::Widget;

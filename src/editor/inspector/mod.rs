@@ -31,8 +31,8 @@ use crate::graph::{Exposed, Graph, NodeId};
 use crate::node::Kind;
 use crate::params::Param;
 use crate::params::page::{Section, sections};
-use value::{Edited, Field};
 use crate::widget::Widget;
+use value::{Edited, Field};
 
 /// What the panel works with for a frame.
 pub(crate) struct Panel<'a> {
