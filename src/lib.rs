@@ -46,7 +46,9 @@
 //! # Values: [`value`], [`mod@ports`], [`units`], [`params`]
 //! A [`value::Grid`] is a window of a lattice. The position of a sample comes from its index in the whole lattice, so
 //! points that two sizes share have the same position, to the bit. Fields, vectors and colours are rasters on a grid
-//! and are cheap to clone. Parameters are structs of unit types; their JSON schema is the only metadata. *Caching:*
+//! and are cheap to clone; what is no raster is an [`value::Object`] that says all of itself in one place. A port says
+//! what the numbers of its output mean, so that this is known before anything runs. Parameters are structs of unit
+//! types; their JSON schema is the only metadata. *Caching:*
 //! values are immutable, so the cache can hand out the same value many times.
 //!
 //! # Nodes: [`node`], [`nodes`], [`context`], [`kit`]
