@@ -1,4 +1,4 @@
-//! What each command does.
+//! What the commands do that take more than a line.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -7,10 +7,9 @@ use eframe::egui::{Context, Rect, ViewportCommand, pos2, vec2};
 use serde_json::Value as Json;
 
 use super::app::{Editor, FileFor};
-use super::canvas::arrange::{Side, align, columns};
+use super::canvas::arrange::columns;
 use super::canvas::layout::covered;
 use super::canvas::{Chosen, GRID};
-use super::command::Command;
 use super::dialogs::Dialog;
 use super::document::Document;
 use super::drawing::sheet::Sheet;
@@ -31,91 +30,10 @@ pub(crate) enum After {
 }
 
 impl Editor {
-    pub(super) fn perform(&mut self, ctx: &Context, command: Command) {
-        match command {
-            Command::New => self.leave(ctx, After::New),
-            Command::Open => self.leave(ctx, After::Open),
-            Command::Start => self.leave(ctx, After::Start),
-            Command::Quit => self.leave(ctx, After::Quit),
-            Command::Save => self.save(ctx),
-            Command::SaveAs => self.ask(ctx, FileFor::SaveAs),
-            Command::Build => self.open_build(),
-            Command::Undo => _ = self.document.undo(),
-            Command::Redo => _ = self.document.redo(),
-            Command::Cut => {
-                self.copy(ctx);
-                self.remove_nodes(false);
-            }
-            Command::Copy => self.copy(ctx),
-            Command::Paste => ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
-            Command::Duplicate => self.duplicate(),
-            Command::SelectAll => self.select_all(),
-            Command::RemoveBridged => self.remove(true),
-            Command::Remove => self.remove(false),
-            Command::Find => self.dialog = Dialog::find(),
-            Command::AddNode => self.canvas.open_search(),
-            Command::AddFrame => self.add_note(ctx),
-            Command::Bypass => self.on_chosen("Bypass", ops::toggle_bypass),
-            Command::Pin => self.pin(),
-            Command::Rename => {
-                self.tab = Tab::Node;
-                self.rename_next(ctx);
-            }
-            Command::ArrangeTree => self.on_chosen("Arrange", columns),
-            Command::ArrangeAll => {
-                let all: BTreeSet<NodeId> = self.graph().nodes().collect();
-                self.edit("Arrange all", |g| columns(g, &all));
-                self.canvas.show_all();
-            }
-            Command::AlignLeft => self.on_chosen("Align left", |g, ids| align(g, ids, Side::Left)),
-            Command::AlignTop => self.on_chosen("Align top", |g, ids| align(g, ids, Side::Top)),
-            Command::Draw => self.draw(),
-            Command::Paint => self.paint(),
-            Command::Compare => self.wipe.on = !self.wipe.on,
-            Command::FrameView => self.canvas.frame(self.document.graph()),
-            Command::Snap => {
-                self.canvas.snap = !self.canvas.snap;
-                self.write_settings();
-            }
-            Command::Times => {
-                self.settings.times = !self.settings.times;
-                self.write_settings();
-            }
-            Command::Palette => self.dialog = Dialog::palette(),
-            Command::Help => self.dialog = Dialog::Help,
-            Command::History => self.tab = Tab::History,
-            Command::Theme => {
-                self.settings.dark = !self.settings.dark;
-                self.set_theme(ctx);
-                self.write_settings();
-            }
-        }
-    }
-
-    /// Whether a command would do something now.
-    pub(super) fn can(&self, command: Command) -> bool {
-        let chosen = &self.canvas.chosen;
-        match command {
-            Command::Undo => self.document.undo_labels()[0].is_some(),
-            Command::Redo => self.document.undo_labels()[1].is_some(),
-            Command::Cut | Command::Copy | Command::Duplicate => !chosen.is_empty(),
-            Command::Remove | Command::RemoveBridged => !chosen.is_empty(),
-            Command::Bypass | Command::ArrangeTree => !chosen.nodes.is_empty(),
-            Command::AlignLeft | Command::AlignTop => chosen.nodes.len() > 1,
-            Command::Rename => chosen.nodes.len() == 1,
-            Command::Build => self.graph().outputs().len() > 0,
-            _ => true,
-        }
-    }
-
-    /// Whether a switch is on.
-    pub(super) fn is_on(&self, command: Command) -> bool {
-        match command {
-            Command::Snap => self.canvas.snap,
-            Command::Times => self.settings.times,
-            Command::Compare => self.wipe.on,
-            _ => false,
-        }
+    pub(super) fn arrange_all(&mut self) {
+        let all: BTreeSet<NodeId> = self.graph().nodes().collect();
+        self.edit("Arrange all", |g| columns(g, &all));
+        self.canvas.show_all();
     }
 
     fn edit<T>(&mut self, label: &str, change: impl FnOnce(&mut Graph) -> Result<T, Problem>) -> Option<T> {
@@ -128,7 +46,7 @@ impl Editor {
         }
     }
 
-    fn on_chosen(
+    pub(super) fn on_chosen(
         &mut self,
         label: &str,
         change: impl FnOnce(&mut Graph, &BTreeSet<NodeId>) -> Result<(), Problem>,
@@ -141,24 +59,24 @@ impl Editor {
         self.edit(label, |g| change(g, &ids));
     }
 
-    fn pin(&mut self) {
+    pub(super) fn pin(&mut self) {
         let chosen = self.canvas.chosen.nodes.first().copied();
         self.pinned =
             if self.pinned.is_some() && (chosen.is_none() || chosen == self.pinned) { None } else { chosen };
     }
 
-    fn rename_next(&self, ctx: &Context) {
+    pub(super) fn rename_next(&self, ctx: &Context) {
         ctx.data_mut(|d| d.insert_temp(super::panels::focus_name(), true));
     }
 
-    fn copy(&mut self, ctx: &Context) {
+    pub(super) fn copy(&mut self, ctx: &Context) {
         let Chosen { nodes, notes } = &self.canvas.chosen;
         if let Some(text) = ops::copied(self.document.graph(), nodes, notes) {
             ctx.copy_text(text);
         }
     }
 
-    fn duplicate(&mut self) {
+    pub(super) fn duplicate(&mut self) {
         let Chosen { nodes, notes } = self.canvas.chosen.clone();
         let nodes: Vec<_> = nodes.into_iter().collect();
         let notes: Vec<_> = notes.into_iter().collect();
@@ -182,21 +100,21 @@ impl Editor {
         }
     }
 
-    fn select_all(&mut self) {
+    pub(super) fn select_all(&mut self) {
         let graph = self.document.graph();
         let notes = graph.notes().map(|(name, _)| name.to_owned()).collect();
         self.canvas.chosen = Chosen { nodes: graph.nodes().collect(), notes };
     }
 
     /// Removes what is chosen on the terrain, or on the canvas.
-    fn remove(&mut self, bridge: bool) {
+    pub(super) fn remove(&mut self, bridge: bool) {
         let (drawing, mut pad) = self.pad();
         if !drawing.delete(&mut pad) {
             self.remove_nodes(bridge);
         }
     }
 
-    fn remove_nodes(&mut self, bridge: bool) {
+    pub(super) fn remove_nodes(&mut self, bridge: bool) {
         let Chosen { nodes, notes } = std::mem::take(&mut self.canvas.chosen);
         if nodes.is_empty() && notes.is_empty() {
             return;
@@ -213,7 +131,7 @@ impl Editor {
     }
 
     /// Draws curves: on the chosen node where it holds some, else on new nodes that make land of them.
-    fn draw(&mut self) {
+    pub(super) fn draw(&mut self) {
         let (drawing, pad) = self.pad();
         drawing.look(&pad);
         if matches!(drawing.sheet(), Some(Sheet::Curves(_) | Sheet::Trail(_))) {
@@ -234,7 +152,7 @@ impl Editor {
     }
 
     /// Paints a mask: on the chosen node where it holds one, else on a new one.
-    fn paint(&mut self) {
+    pub(super) fn paint(&mut self) {
         let (drawing, pad) = self.pad();
         drawing.look(&pad);
         if !matches!(drawing.sheet(), Some(Sheet::Strokes(_))) {
@@ -272,7 +190,7 @@ impl Editor {
         self.pinned = Some(self.shown_node().unwrap_or(new));
     }
 
-    fn add_note(&mut self, ctx: &Context) {
+    pub(super) fn add_note(&mut self, ctx: &Context) {
         let graph = self.document.graph();
         let chosen = &self.canvas.chosen;
         let around = covered(graph, chosen.nodes.iter().copied(), []);
@@ -320,7 +238,7 @@ impl Editor {
         }
     }
 
-    fn save(&mut self, ctx: &Context) {
+    pub(super) fn save(&mut self, ctx: &Context) {
         match self.document.path().map(Path::to_owned) {
             Some(path) => _ = self.save_to(ctx, &path),
             None => self.ask(ctx, FileFor::SaveAs),

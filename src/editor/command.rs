@@ -1,15 +1,27 @@
-//! Everything that can be done by name: menus, keys, the palette and the cheat sheet all come from this list.
+//! Everything that can be done by name: menus, keys, the palette, the cheat sheet and what happens all come from this
+//! list.
 
-use eframe::egui::{self, Button, Key, KeyboardShortcut, Modifiers, Response, Ui};
+use eframe::egui::{self, Button, Key, KeyboardShortcut, Modifiers, Response, Ui, ViewportCommand};
+
+use super::actions::After;
+use super::app::{Editor, FileFor};
+use super::canvas::arrange::{Side, align, columns};
+use super::dialogs::Dialog;
+use super::ops;
+use super::panels::Tab;
 
 const NONE: Modifiers = Modifiers::NONE;
 const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-/// A line a command: what it does as its doc comment, its name in menus, its key.
+/// A row a command: what it does as its doc comment, its name in menus, its key, when it would do something, whether it
+/// is on where it is a switch, and what it does.
 macro_rules! commands {
-    ($(#[doc = $help:literal] $command:ident = $name:literal $($modifiers:ident $key:ident)?;)*) => {
+    ($(
+        #[doc = $help:literal]
+        $command:ident = $name:literal $($modifiers:ident $key:ident)? $(, if $can:expr)? $(, on $on:expr)? => $does:expr;
+    )*) => {
         /// Something the editor can do.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub(crate) enum Command {
@@ -43,82 +55,133 @@ macro_rules! commands {
                 }
             }
         }
+
+        impl Editor {
+            pub(super) fn perform(&mut self, ctx: &egui::Context, command: Command) {
+                let does: fn(&mut Self, &egui::Context) = match command {
+                    $(Command::$command => $does,)*
+                };
+                does(self, ctx);
+            }
+
+            /// Whether a command would do something now.
+            pub(super) fn can(&self, command: Command) -> bool {
+                let can: fn(&Self) -> bool = match command {
+                    $($(Command::$command => $can,)?)*
+                    _ => |_| true,
+                };
+                can(self)
+            }
+
+            /// Whether a switch is on.
+            pub(super) fn is_on(&self, command: Command) -> bool {
+                let is_on: fn(&Self) -> bool = match command {
+                    $($(Command::$command => $on,)?)*
+                    _ => |_| false,
+                };
+                is_on(self)
+            }
+        }
     };
 }
 
 commands! {
     /// Starts an empty graph
-    New = "New graph" COMMAND N;
+    New = "New graph" COMMAND N => |e, ctx| e.leave(ctx, After::New);
     /// Begins with one of the presets that come with the program
-    Start = "Presets to begin with";
+    Start = "Presets to begin with" => |e, ctx| e.leave(ctx, After::Start);
     /// Opens a .graph file
-    Open = "Open…" COMMAND O;
+    Open = "Open…" COMMAND O => |e, ctx| e.leave(ctx, After::Open);
     /// Writes the file, whole or not at all
-    Save = "Save" COMMAND S;
+    Save = "Save" COMMAND S => |e, ctx| e.save(ctx);
     /// Writes the graph to another file and goes on with that
-    SaveAs = "Save as…" COMMAND_SHIFT S;
+    SaveAs = "Save as…" COMMAND_SHIFT S => |e, ctx| e.ask(ctx, FileFor::SaveAs);
     /// Writes the outputs at any size, as `orograph build` does
-    Build = "Build…" COMMAND B;
+    Build = "Build…" COMMAND B, if |e| e.graph().outputs().len() > 0 => |e, _| e.open_build();
     /// Closes the editor; unsaved changes are asked about
-    Quit = "Quit" COMMAND Q;
+    Quit = "Quit" COMMAND Q => |e, ctx| e.leave(ctx, After::Quit);
     /// Takes the last change back
-    Undo = "Undo" COMMAND Z;
+    Undo = "Undo" COMMAND Z, if |e| e.document.undo_labels()[0].is_some() => |e, _| _ = e.document.undo();
     /// Does what was undone again
-    Redo = "Redo" COMMAND_SHIFT Z;
+    Redo = "Redo" COMMAND_SHIFT Z, if |e| e.document.undo_labels()[1].is_some() => |e, _| _ = e.document.redo();
     /// Copies what is selected and removes it
-    Cut = "Cut" COMMAND X;
+    Cut = "Cut" COMMAND X, if has_chosen => |e, ctx| {
+        e.copy(ctx);
+        e.remove_nodes(false);
+    };
     /// Copies what is selected as the text of a .graph file
-    Copy = "Copy" COMMAND C;
+    Copy = "Copy" COMMAND C, if has_chosen => |e, ctx| e.copy(ctx);
     /// Pastes a graph or a part of one where the pointer is
-    Paste = "Paste" COMMAND V;
+    Paste = "Paste" COMMAND V => |_, ctx| ctx.send_viewport_cmd(ViewportCommand::RequestPaste);
     /// Copies what is selected beside itself
-    Duplicate = "Duplicate" COMMAND D;
+    Duplicate = "Duplicate" COMMAND D, if has_chosen => |e, _| e.duplicate();
     /// Selects all nodes and notes
-    SelectAll = "Select all" COMMAND A;
+    SelectAll = "Select all" COMMAND A => |e, _| e.select_all();
     /// Removes what is selected and keeps its wires bridged where possible
-    RemoveBridged = "Delete and bridge" NONE Delete;
+    RemoveBridged = "Delete and bridge" NONE Delete, if has_chosen => |e, _| e.remove(true);
     /// Removes what is selected with its wires
-    Remove = "Delete with wires" SHIFT Delete;
+    Remove = "Delete with wires" SHIFT Delete, if has_chosen => |e, _| e.remove(false);
     /// Finds a node by its name or kind
-    Find = "Find in graph" COMMAND F;
+    Find = "Find in graph" COMMAND F => |e, _| e.dialog = Dialog::find();
     /// Searches the kinds and adds a node where the pointer is
-    AddNode = "Add node" NONE Tab;
+    AddNode = "Add node" NONE Tab => |e, _| e.canvas.open_search();
     /// Puts a note around what is selected, or where the pointer is
-    AddFrame = "Add note" NONE N;
+    AddFrame = "Add note" NONE N => |e, ctx| e.add_note(ctx);
     /// Leaves the selected nodes out: what they would change passes through
-    Bypass = "Bypass" NONE B;
+    Bypass = "Bypass" NONE B, if has_nodes => |e, _| e.on_chosen("Bypass", ops::toggle_bypass);
     /// Keeps this node in the view whatever is selected
-    Pin = "Pin in view" NONE P;
+    Pin = "Pin in view" NONE P => |e, _| e.pin();
     /// Renames the selected node
-    Rename = "Rename" NONE F2;
+    Rename = "Rename" NONE F2, if |e| e.canvas.chosen.nodes.len() == 1 => |e, ctx| {
+        e.tab = Tab::Node;
+        e.rename_next(ctx);
+    };
     /// Brings the selected nodes into columns from sources to results
-    ArrangeTree = "Arrange selected" NONE L;
+    ArrangeTree = "Arrange selected" NONE L, if has_nodes => |e, _| e.on_chosen("Arrange", columns);
     /// Brings all nodes into columns from sources to results
-    ArrangeAll = "Arrange all" SHIFT L;
+    ArrangeAll = "Arrange all" SHIFT L => |e, _| e.arrange_all();
     /// Brings the left sides of the selected nodes to one line
-    AlignLeft = "Align left";
+    AlignLeft = "Align left", if |e| e.canvas.chosen.nodes.len() > 1 => |e, _| e.on_chosen("Align left", |g, ids| align(g, ids, Side::Left));
     /// Brings the upper sides of the selected nodes to one line
-    AlignTop = "Align top";
+    AlignTop = "Align top", if |e| e.canvas.chosen.nodes.len() > 1 => |e, _| e.on_chosen("Align top", |g, ids| align(g, ids, Side::Top));
     /// Draws feature curves onto the terrain, on the selected node or on new ones
-    Draw = "Draw curves" NONE K;
+    Draw = "Draw curves" NONE K => |e, _| e.draw();
     /// Paints a mask onto the terrain with a brush, on the selected node or on a new one
-    Paint = "Paint mask" NONE M;
+    Paint = "Paint mask" NONE M => |e, _| e.paint();
     /// Compares what is shown with the selected node, or with what goes into it
-    Compare = "Compare" NONE C;
+    Compare = "Compare" NONE C, on |e| e.wipe.on => |e, _| e.wipe.on = !e.wipe.on;
     /// Shows what is selected, or everything
-    FrameView = "Zoom to selection or all" NONE F;
+    FrameView = "Zoom to selection or all" NONE F => |e, _| e.canvas.frame(e.document.graph());
     /// Moves nodes in steps of the grid
-    Snap = "Snap to grid";
+    Snap = "Snap to grid", on |e| e.canvas.snap => |e, _| {
+        e.canvas.snap = !e.canvas.snap;
+        e.write_settings();
+    };
     /// Shows on each node how long it took
-    Times = "Times on nodes";
+    Times = "Times on nodes", on |e| e.settings.times => |e, _| {
+        e.settings.times = !e.settings.times;
+        e.write_settings();
+    };
     /// Finds a command by name
-    Palette = "Command palette" COMMAND_SHIFT P;
+    Palette = "Command palette" COMMAND_SHIFT P => |e, _| e.dialog = Dialog::palette();
     /// Shows all keys
-    Help = "Keyboard shortcuts" NONE F1;
+    Help = "Keyboard shortcuts" NONE F1 => |e, _| e.dialog = Dialog::Help;
     /// Shows all changes and goes back to any of them
-    History = "History" COMMAND H;
+    History = "History" COMMAND H => |e, _| e.tab = Tab::History;
     /// Changes between the dark and the light theme
-    Theme = "Dark or light theme";
+    Theme = "Dark or light theme" => |e, ctx| {
+        e.settings.dark = !e.settings.dark;
+        e.set_theme(ctx);
+        e.write_settings();
+    };
+}
+
+fn has_chosen(editor: &Editor) -> bool {
+    !editor.canvas.chosen.is_empty()
+}
+
+fn has_nodes(editor: &Editor) -> bool {
+    !editor.canvas.chosen.nodes.is_empty()
 }
 
 impl Command {
