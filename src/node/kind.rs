@@ -1,5 +1,7 @@
 //! Kinds and nodes with their types erased: what the registry holds and the engine runs.
 
+mod digest;
+
 use std::fmt::Debug;
 use std::sync::{Arc, OnceLock};
 
@@ -135,8 +137,8 @@ impl<N: Node> AnyNode for N {
     }
 }
 
-/// Makes a node of its parameters, a JSON object that may leave out what has its default.
-type Parser = Box<dyn Fn(&Json) -> Result<Arc<dyn AnyNode>> + Send + Sync>;
+/// Makes a node of its parameters, an object that may leave out what has its default.
+type Parser = Box<dyn Fn(&Map<String, Json>) -> Result<Arc<dyn AnyNode>> + Send + Sync>;
 /// Makes a JSON document, when it is first asked for: most programs ask for few kinds.
 type Document = Box<dyn Fn() -> Json + Send + Sync>;
 
@@ -176,8 +178,8 @@ pub struct Kind {
 impl Kind {
     /// The kind of a struct of this program.
     pub fn of<N: Node>(family: &'static str, id: &'static str) -> Self {
-        let parse = |json: &Json| -> Result<Arc<dyn AnyNode>> {
-            let node = N::deserialize(json).map_err(|e| unreadable(&e))?;
+        let parse = |set: &Map<String, Json>| -> Result<Arc<dyn AnyNode>> {
+            let node = N::deserialize(set).map_err(|e| unreadable(&e))?;
             Ok(Arc::new(node))
         };
         let schema = || schemars::schema_for!(N).to_value();
@@ -215,7 +217,7 @@ impl Kind {
     pub fn new(
         family: impl Into<Name>,
         id: impl Into<Name>,
-        parse: impl Fn(&Json) -> Result<Arc<dyn AnyNode>> + Send + Sync + 'static,
+        parse: impl Fn(&Map<String, Json>) -> Result<Arc<dyn AnyNode>> + Send + Sync + 'static,
     ) -> Self {
         Self::bare(family.into(), id.into(), Box::new(parse))
     }
@@ -336,7 +338,7 @@ impl Kind {
     /// Names the parameter, what was found and what was expected; the nearest name where one is unknown.
     pub fn parse(&self, set: &Map<String, Json>) -> Result<Arc<dyn AnyNode>> {
         params::check_all(self.params(), set)?;
-        let parsed = (self.parse)(&Json::Object(set.clone()))?;
+        let parsed = (self.parse)(set)?;
         parsed.check()?;
         Ok(parsed)
     }
@@ -359,7 +361,7 @@ impl Kind {
                 object.remove(&p.name);
             });
         }
-        *blake3::hash(json.to_string().as_bytes()).as_bytes()
+        digest::of(&json)
     }
 }
 

@@ -7,7 +7,7 @@ use orograph::node::{AnyNode, Context, Kind, Reach, Result};
 use orograph::nodes::Registry;
 use orograph::ports::{Meaning, Port, Wires};
 use orograph::value::{Field, Quantity, Value, WireType};
-use serde_json::{Value as Json, json};
+use serde_json::{Map, Value as Json, json};
 
 /// The sum of some inputs, each times a parameter of the same name.
 #[derive(Debug)]
@@ -51,8 +51,9 @@ pub(crate) fn kind(names: &[String]) -> Kind {
         meaning,
     };
     let own: Vec<Name> = names.iter().map(Name::new).collect();
-    let parse = move |set: &Json| -> Result<Arc<dyn AnyNode>> {
-        let weight = |name: &Name| (name.clone(), set[name.as_str()].as_f64().unwrap_or(1.0));
+    let parse = move |set: &Map<String, Json>| -> Result<Arc<dyn AnyNode>> {
+        let set_to = |name: &Name| set.get(name.as_str())?.as_f64();
+        let weight = |name: &Name| (name.clone(), set_to(name).unwrap_or(1.0));
         Ok(Arc::new(Weighted { weights: own.iter().map(weight).collect() }))
     };
     let parameter = |name: &String| {
