@@ -3,6 +3,7 @@
 //! Each loop is shown to fail: by a lying kind of `kinds`. Parameter sets, sizes and windows are those of the `rig`.
 
 mod documents;
+mod long;
 mod machines;
 mod presets;
 mod random;

@@ -8,6 +8,7 @@ pub(crate) mod bytes;
 pub(crate) mod graph;
 pub(crate) mod sets;
 pub(crate) mod skip;
+pub(crate) mod watch;
 
 use orograph::kit::hash;
 use orograph::node::Kind;
