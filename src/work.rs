@@ -7,18 +7,40 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 /// A switch that stops work: cheap to clone, all clones are one switch.
-#[derive(Clone, Debug, Default)]
-pub struct Cancel(Arc<AtomicBool>);
+#[derive(Clone, Default)]
+pub struct Cancel(Arc<Switch>);
+
+#[derive(Default)]
+struct Switch {
+    off: AtomicBool,
+    /// Who is asked at each look.
+    asked: Option<Box<dyn Fn() -> bool + Send + Sync>>,
+}
+
+impl fmt::Debug for Cancel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Cancel").field(&self.0.off).finish()
+    }
+}
 
 impl Cancel {
+    /// A switch that asks somebody at each look whether to stop. Who is asked sees how often work looks, on which thread:
+    /// so the tests hold every kind to law 12.
+    pub fn asking(stop: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        Self(Arc::new(Switch { off: AtomicBool::new(false), asked: Some(Box::new(stop)) }))
+    }
+
     /// Asks the work to stop.
     pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.0.off.store(true, Ordering::Relaxed);
     }
 
     /// Whether it was asked to stop.
     pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        if self.0.asked.as_ref().is_some_and(|stop| stop()) {
+            self.cancel();
+        }
+        self.0.off.load(Ordering::Relaxed)
     }
 
     /// # Errors
@@ -172,6 +194,16 @@ mod tests {
         second.report(7.0);
         whole.quiet().report(0.1);
         assert_eq!(*told.lock().expect("no panic"), [0.875, 1.0]);
+    }
+
+    #[test]
+    fn who_is_asked_sees_each_look_and_stops_the_work_for_good() {
+        let looks = Arc::new(AtomicUsize::new(0));
+        let counted = looks.clone();
+        let cancel = Cancel::asking(move || counted.fetch_add(1, Ordering::Relaxed) == 2);
+        let work = Work::new(&cancel);
+        assert_eq!([work.check(), work.step(0.5), work.check()], [Ok(()), Ok(()), Err(Cancelled)]);
+        assert_eq!((cancel.clone().check(), looks.load(Ordering::Relaxed)), (Err(Cancelled), 4));
     }
 
     #[test]

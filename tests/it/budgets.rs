@@ -30,7 +30,7 @@ fn preset(path: &Path, base: u32) -> Graph {
 }
 
 fn engine(threads: usize, memory: u64, keep: Keep) -> Engine {
-    Engine::new(&Options { threads, memory, keep, ..Options::default() }, crate::fed::files()).unwrap()
+    Engine::new(&Options { threads, memory, keep, ..Options::default() }, crate::rig::graph::files()).unwrap()
 }
 
 /// Everything that the outputs of a graph want on a grid.

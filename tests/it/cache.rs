@@ -170,3 +170,61 @@ fn other_versions_share_the_room() {
     run(&e, &hills(1));
     assert!(!other.exists() && mine.exists());
 }
+
+/// A folder of the same entries under the name of another version stays as it is, and gives nothing.
+#[test]
+fn the_folder_of_another_version_is_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = |g: &Graph| run(&engine(folder.path(), 1 << 30), g).tasks[0].cached;
+    assert_eq!((first(&hills(1)), first(&hills(1))), (None, Some("disk")));
+    let own = std::fs::read_dir(folder.path()).unwrap().flatten().next().unwrap().path();
+    let name = own.file_name().unwrap().to_str().unwrap();
+    let version = env!("CARGO_PKG_VERSION");
+    assert!(name.contains(version), "{name}");
+    for other in [name.replace(version, "0.0.1"), format!("{name}0")] {
+        let other = folder.path().join(other);
+        std::fs::rename(&own, &other).unwrap();
+        let before = files(&other);
+        assert_eq!(first(&hills(1)), None, "{} is not read", other.display());
+        assert_eq!(files(&other), before, "nor written");
+        std::fs::remove_dir_all(&own).unwrap();
+        std::fs::rename(&other, &own).unwrap();
+        assert_eq!(first(&hills(1)), Some("disk"), "it was the name alone");
+    }
+}
+
+/// The last part of a name chooses the reader, so it counts; the folder does not.
+#[test]
+fn the_same_bytes_under_two_names_are_each_read_as_their_name_says() {
+    let (cache, folder) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let grid = "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 9\n1 2 3\n4 5 6\n";
+    std::fs::create_dir(folder.path().join("else")).unwrap();
+    for name in ["a.asc", "b.asc", "else/a.asc", "a.xyz"] {
+        std::fs::write(folder.path().join(name), grid).unwrap();
+    }
+    let read = |name: &str| {
+        let mut files = Files::default();
+        files.allow_folder(folder.path()).unwrap();
+        let cache = Some(cache.path().to_owned());
+        let e = Engine::new(&Options { threads: 1, cache, ..Options::default() }, files).unwrap();
+        let all = run(
+            &e,
+            &graph(json!({
+                "dem": { "kind": "import_height", "set": { "file": name } },
+                "end": { "kind": "copy", "in": { "field": "dem.height" } },
+            })),
+        );
+        let cached = all.tasks.iter().all(|t| t.cached == Some("disk"));
+        (all.values[0].as_ref().map(|v| v.components().to_vec()).map_err(|e| e.to_string()), cached)
+    };
+    let (first, cold) = read("a.asc");
+    assert!(first.is_ok() && !cold, "{first:?}");
+    assert_eq!(read("a.asc"), (first.clone(), true));
+    assert_eq!(read("else/a.asc"), (first.clone(), true), "the same file in another folder");
+    assert_eq!(read("b.asc"), (first, false), "another name may be another place or format");
+    let (other, _) = read("a.xyz");
+    assert!(
+        other.is_err_and(|e| e.contains("a.xyz")),
+        "what was read as one format is not taken for another"
+    );
+}

@@ -9,15 +9,15 @@ mod nodes;
 mod perlin;
 
 use orograph::kit::noise::{Form, Fractal, Measure, Metric, lattice};
-use orograph::node::{Cancel, Context, Kind};
+use orograph::node::Kind;
 use orograph::nodes::Registry;
-use orograph::params::{Param, Shape};
 use orograph::ports::Wires;
 use orograph::value::{Field, Grid, Terrain, Value};
 use serde_json::{Map, Value as Json, json};
 use std::sync::Arc;
 
-const KINDS: [&str; 5] = ["cellular_noise", "constant", "fractal_noise", "gradient", "multifractal"];
+use crate::rig::bench::Bench;
+use crate::rig::sets;
 
 fn kind(id: &str) -> Arc<Kind> {
     Registry::standard().find(id).cloned().expect(id)
@@ -29,13 +29,8 @@ fn set(json: Json) -> Map<String, Json> {
 
 /// Runs a kind on a grid with some inputs.
 fn run_with(id: &str, params: Json, grid: Grid, terrain: &Terrain, wires: Wires) -> Field {
-    let node = kind(id).parse(&set(params)).expect("good parameters");
-    let cancel = Cancel::default();
-    let mut out = node.run(&Context::bare(grid, terrain, &cancel), wires).expect("a generator runs");
-    match out.take("field") {
-        Some(Value::Field(field)) => field,
-        other => panic!("{id} gave {other:?}"),
-    }
+    let given = |port: &str, window: &Grid| wires.get(port).map(|v| v.crop(window));
+    Bench::named(id, &params).field(terrain, grid, &given, "field")
 }
 
 fn run(id: &str, params: Json, grid: Grid, terrain: &Terrain) -> Field {
@@ -162,39 +157,6 @@ fn coincident_samples_are_equal_at_real_sizes() {
 }
 
 #[test]
-fn tiles_are_crops_of_the_whole() {
-    let terrain = Terrain::default();
-    let whole = terrain.grid(513).unwrap();
-    let big = whole.grow_cells(70);
-    for (id, params) in cases() {
-        let all = run(id, params.clone(), big, &terrain);
-        for (start, end) in
-            [([0, 0], [513, 513]), ([-70, -3], [200, 19]), ([257, 300], [258, 583]), ([8, 8], [9, 9])]
-        {
-            let tile = Grid::between(whole.lattice, start, end);
-            let alone = run(id, params.clone(), tile, &terrain);
-            assert_same_bits(&alone, &all.crop(&tile), &format!("{id} {params} on {tile:?}"));
-        }
-    }
-}
-
-#[test]
-fn threads_do_not_change_a_bit() {
-    let terrain = Terrain::default();
-    let grid = terrain.grid(257).unwrap();
-    for (id, params) in cases() {
-        let on = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| run(id, params.clone(), grid, &terrain))
-        };
-        let one = on(1);
-        for threads in [2, 7] {
-            assert_same_bits(&one, &on(threads), &format!("{id} {params} on {threads} threads"));
-        }
-    }
-}
-
-#[test]
 fn seeds_change_the_noise_everywhere() {
     let terrain = Terrain::default();
     let grid = terrain.grid(257).unwrap();
@@ -232,50 +194,17 @@ fn correlation(a: &[f32], b: &[f32]) -> f64 {
     sab / (saa * sbb).sqrt()
 }
 
-/// Values at the ends of a parameter's range.
-fn ends(shape: &Shape) -> Vec<Json> {
-    let fields = |fields: &[Param], pick: fn(&[Json]) -> Json| {
-        let each = fields.iter().map(|f| (f.name.clone(), pick(&ends(&f.shape))));
-        Json::Object(each.collect())
-    };
-    let (first, last) = (|v: &[Json]| v[0].clone(), |v: &[Json]| v[v.len() - 1].clone());
-    match shape {
-        Shape::Number { min, max, integer: true } => vec![json!(*min as i64), json!(*max as i64)],
-        Shape::Number { min, max, integer: false } => vec![json!(min), json!(max)],
-        Shape::Choice(modes) => (modes.iter())
-            .flat_map(|m| match m.fields.as_slice() {
-                [] => vec![json!(m.name)],
-                own => vec![
-                    json!({ m.name.clone(): fields(own, first) }),
-                    json!({ m.name.clone(): fields(own, last) }),
-                ],
-            })
-            .collect(),
-        Shape::List { item, min, .. } => ends(item).into_iter().map(|v| Json::Array(vec![v; *min])).collect(),
-        other => panic!("a generator has a parameter of shape {other:?}"),
-    }
-}
-
 #[test]
-fn every_end_of_every_range_is_finite() {
+fn far_from_zero_and_on_the_largest_terrain_all_is_finite() {
     let far =
         |origin: f64| Terrain { origin: [origin, -origin], width: 2e7, depth: 2e7, ..Terrain::default() };
     for terrain in [Terrain::default(), far(1e8), far(-1e8)] {
         let grid = Grid { cols: 37, rows: 5, ..terrain.grid(9).unwrap().grow_cells(4) };
-        for id in KINDS {
-            let choices: Vec<(String, Vec<Json>)> =
-                kind(id).params().iter().map(|p| (p.name.clone(), ends(&p.shape))).collect();
-            let total: usize = choices.iter().map(|(_, v)| v.len()).product();
-            for case in 0..total {
-                let mut rest = case;
-                let pick = |(name, values): &(String, Vec<Json>)| {
-                    let value = values[rest % values.len()].clone();
-                    rest /= values.len();
-                    (name.clone(), value)
-                };
-                let params = Json::Object(choices.iter().map(pick).collect());
-                let field = run(id, params.clone(), grid, &terrain);
-                assert_eq!(Value::Field(field).first_not_finite(), None, "{id} {params}");
+        for kind in Registry::standard().iter().filter(|k| k.family == "generate") {
+            for set in sets::all(kind) {
+                let params = Json::Object(set);
+                let field = run(&kind.id, params.clone(), grid, &terrain);
+                assert_eq!(Value::Field(field).first_not_finite(), None, "{} {params}", kind.id);
             }
         }
     }

@@ -14,7 +14,8 @@ use orograph::ports::{MASK, Wires};
 use orograph::value::{CurveSpec, Curves, Field, Grid, Object as _, Quantity, Terrain, Value, WireType};
 use serde_json::{Map, Value as Json, json};
 
-use crate::fed::{engine, fed, shipped};
+use crate::rig::graph::{engine, fed};
+use crate::rig::shipped;
 use crate::vectors::{SQUARE, place, plain};
 
 /// The least of five times that work takes, in seconds, on a pool of one thread.

@@ -19,6 +19,8 @@ macro_rules! params {
     )+};
 }
 
+mod lies;
+
 ports! {
     pub(crate) struct None {}
     pub(crate) struct One {
@@ -393,7 +395,7 @@ impl Node for Either {
 /// The standard kinds and those of this file.
 pub(crate) fn registry() -> Registry {
     static KINDS: LazyLock<Registry> = LazyLock::new(|| {
-        Registry::standard().with([
+        let mut kinds = vec![
             Kind::of::<Waves>("test", "waves"),
             Kind::of::<Sum>("test", "sum"),
             Kind::of::<Smooth>("test", "smooth"),
@@ -414,7 +416,9 @@ pub(crate) fn registry() -> Registry {
             Kind::of::<Grumbles>("test", "grumbles"),
             Kind::of::<Around>("test", "around"),
             Kind::of::<Glances>("test", "glances"),
-        ])
+        ];
+        kinds.extend(lies::kinds());
+        Registry::standard().with(kinds)
     });
     KINDS.clone()
 }

@@ -22,8 +22,10 @@ use orograph::widget::Widget;
 use orograph::work::Work;
 use serde_json::{Map, Value as Json, json};
 
-use crate::fed::{engine, extremes, fed, shipped};
 use crate::kinds::registry;
+use crate::rig::graph::{engine, fed};
+use crate::rig::sets::extremes;
+use crate::rig::shipped;
 use crate::vectors::{SQUARE, plain};
 
 /// The system's allocator with an account of each thread.

@@ -4,7 +4,7 @@ use orograph::params::page::{rows, sections};
 use orograph::params::{Param, Shape};
 use serde_json::{Value as Json, json};
 
-use crate::fed::shipped;
+use crate::rig::shipped;
 
 /// Whether a shape holds objects, or lists of lists.
 fn is_structured(shape: &Shape) -> bool {

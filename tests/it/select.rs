@@ -1,128 +1,49 @@
 //! The select family against closed forms, brute force and the laws.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
+use orograph::node::Load;
 use orograph::context::{Cancel, Context};
 use orograph::kit::hash;
-use orograph::name::Name;
-use orograph::node::{AnyNode, Kind, Load, Summary};
 use orograph::nodes::Registry;
-use orograph::params::{Param, Shape};
 use orograph::ports::Wires;
 use orograph::value::{Field, Grid, Lattice, Quantity, Terrain, Value};
-use serde_json::{Map, Value as Json, json};
+use serde_json::{Value as Json, json};
+
+use crate::rig::bench::Bench;
 
 type Source = dyn Fn(&str, f64, f64) -> f32 + Sync;
 
-/// A node of the family under test.
-struct Case {
-    kind: Arc<Kind>,
-    node: Arc<dyn AnyNode>,
-    label: String,
-}
+/// A node of the family, on fields that are functions of the place.
+struct Case(Bench);
 
 fn case(id: &str, set: Json) -> Case {
-    let kind = Registry::standard().find(id).cloned().unwrap_or_else(|| panic!("no kind `{id}`"));
-    let object = set.as_object().expect("parameters are an object").clone();
-    let node = kind.parse(&object).unwrap_or_else(|e| panic!("{id} {set}: {e}"));
-    Case { kind, node, label: format!("{id} {set}") }
+    Case(Bench::named(id, &set))
+}
+
+/// Fields on every port.
+fn plane<'a>(source: &'a Source) -> impl Fn(&str, &Grid) -> Option<Value> + Sync + 'a {
+    |port, grid| Some(Value::Field(Field::from_fn(*grid, Quantity::Number, |x, y| source(port, x, y))))
 }
 
 impl Case {
-    /// Runs on a window with inputs that are exactly the footprint, clipped to a square around the terrain as the
-    /// engine clips to the apron.
-    fn run_in(&self, terrain: &Terrain, window: Grid, source: &Source, apron: f64) -> Wires {
-        let clip = |wanted: Grid| {
-            wanted.intersection(&Grid::covering(wanted.lattice, terrain.bounds().grown(apron)))
-        };
-        let wires = self.inputs(source, |port| clip(self.node.footprint(port, &window, terrain)));
-        let (cancel, whole) = (Cancel::default(), self.summary(terrain, source));
-        let views = self.views(terrain, window, source, clip);
-        let cx = Context { whole: whole.as_ref(), ..Context::bare(window, terrain, &cancel) };
-        let cx = Context { reads: self.kind.reads, views: &views, ..cx };
-        self.node.run(&cx, wires).unwrap_or_else(|e| panic!("{}: {e}", self.label))
-    }
-
-    /// The inputs on their further windows.
-    fn views(
-        &self,
-        terrain: &Terrain,
-        window: Grid,
-        source: &Source,
-        clip: impl Fn(Grid) -> Grid,
-    ) -> Vec<(Name, Value)> {
-        let value = |name: &Name, grid: Grid| {
-            let field = Field::from_fn(clip(grid), Quantity::Number, |x, y| source(name, x, y));
-            (name.clone(), Value::Field(field))
-        };
-        let ports = self.kind.inputs.iter().map(|p| &p.name);
-        let windows = ports.flat_map(|name| {
-            self.node.views(name, &window, terrain).into_iter().map(move |grid| (name, grid))
-        });
-        windows.map(|(name, grid)| value(name, grid)).collect()
-    }
-
     fn run(&self, terrain: &Terrain, window: Grid, source: &Source) -> Wires {
-        self.run_in(terrain, window, source, 1e9)
-    }
-
-    fn inputs(&self, source: &Source, grid: impl Fn(&str) -> Grid) -> Wires {
-        let ports = self.kind.inputs.iter().filter(|p| p.name != "mask" || self.kind.mixes.is_empty());
-        let field = |name: &str| Field::from_fn(grid(name), Quantity::Number, |x, y| source(name, x, y));
-        ports.map(|p| (p.name.clone(), Value::Field(field(&p.name)))).collect()
-    }
-
-    fn summary(&self, terrain: &Terrain, source: &Source) -> Option<Summary> {
-        let cancel = Cancel::default();
-        let cx = Context::bare(terrain.base_grid(), terrain, &cancel);
-        let wires = self.inputs(source, |_| terrain.base_grid());
-        self.node.needs_summary().then(|| self.node.summarize(&cx, wires).expect("a summary"))
+        let ran = self.0.run(terrain, window, &plane(source));
+        ran.unwrap_or_else(|e| panic!("{}: {e}", self.0.label))
     }
 
     fn field(&self, terrain: &Terrain, window: Grid, source: &Source, port: &str) -> Field {
-        match self.run(terrain, window, source).take(port) {
-            Some(Value::Field(field)) => field,
-            other => panic!("{}: `{port}` is {other:?}", self.label),
-        }
+        self.0.field(terrain, window, &plane(source), port)
     }
 }
 
-/// Parameters that between them take every branch.
-fn cases() -> Vec<Case> {
-    let mut all = vec![
-        case("select_height", json!({ "low": 100.0, "high": 250.0, "soft": 40.0 })),
-        case("select_slope", json!({})),
-        case("select_slope", json!({ "scale": 37.3, "low": 5.0, "high": 20.0 })),
-        case("select_aspect", json!({ "direction": 300.0 })),
-        case("select_aspect", json!({ "direction": 20.0, "scale": 40.0, "soft": 0.0, "steepness": 0.0 })),
-        case("normals", json!({})),
-        case("normals", json!({ "green": "south", "exaggeration": 3.0, "scale": 19.0 })),
-        case("hillshade", json!({})),
-        case("hillshade", json!({ "light": "multiple", "scale": 45.0, "azimuth": 90.0 })),
+/// Skies near and far, coarse and fine.
+fn skies() -> Vec<Case> {
+    vec![
         case("occlusion", json!({ "radius": 300.0 })),
         case("occlusion", json!({ "radius": 120.0, "directions": 11, "detail": 3.0 })),
         case("occlusion", json!({ "radius": 1000.0, "directions": 4, "detail": 40.0 })),
-        case("colorize", json!({})),
-        case("colorize", json!({ "palette": "satellite", "reverse": true, "shading": 0.5 })),
-        case("colorize", json!({ "range": { "fixed": { "low": 0.0, "high": 300.0 } }, "blend": "steps" })),
-        case("distance", json!({ "limit": 0.5 })),
-    ];
-    for form in ["mean", "profile", "tangential", "plan"] {
-        all.push(case("select_curvature", json!({ "form": form })));
-        all.push(case("select_curvature", json!({ "form": form, "scale": 29.0 })));
-    }
-    for side in ["outside", "inside", "signed"] {
-        all.push(case("distance", json!({ "side": side, "limit": 200.0 })));
-    }
-    for shape in ["linear", "smooth", "concave", "convex"] {
-        all.push(case("distance", json!({ "shape": shape, "limit": 61.0, "threshold": 0.9 })));
-    }
-    for mode in ["dilate", "erode", "open", "close"] {
-        all.push(case("expand", json!({ "mode": mode, "radius": 60.0 })));
-        all.push(case("expand", json!({ "mode": mode, "radius": 43.0, "soft": 70.0 })));
-    }
-    all
+    ]
 }
 
 /// Skies whose far ground leaves the terrain, is coarse, or is near as well.
@@ -180,52 +101,6 @@ fn same(label: &str, a: &Wires, b: &Wires, window: &Grid) {
     }
 }
 
-#[test]
-fn a_tile_equals_the_crop_of_the_whole() {
-    let terrain = world();
-    let whole = window(&terrain, 257, [-30, 200], [150, 121]);
-    let tiles = [([-30, 200], [1, 1]), ([-7, 211], [33, 17]), ([40, 203], [65, 5]), ([55, 240], [65, 81])];
-    for case in cases() {
-        let all = case.run(&terrain, whole, &ground);
-        assert!(
-            all.iter().all(|(_, v)| v.grid() == Some(&whole)),
-            "{}: outputs stand on the grid",
-            case.label
-        );
-        for (corner, size) in tiles {
-            let tile = window(&terrain, 257, corner, size);
-            same(&case.label, &case.run(&terrain, tile, &ground), &all, &tile);
-        }
-    }
-}
-
-#[test]
-fn a_larger_input_gives_the_same() {
-    let terrain = world();
-    let tile = window(&terrain, 257, [100, 90], [40, 31]);
-    for case in cases() {
-        let exact = case.run(&terrain, tile, &ground);
-        let wires = case.inputs(&ground, |port| case.node.footprint(port, &tile, &terrain).grow_cells(13));
-        let (cancel, whole) = (Cancel::default(), case.summary(&terrain, &ground));
-        let views = case.views(&terrain, tile, &ground, |grid| grid.grow_cells(21));
-        let cx = Context { whole: whole.as_ref(), views: &views, ..Context::bare(tile, &terrain, &cancel) };
-        same(&case.label, &case.node.run(&cx, wires).unwrap(), &exact, &tile);
-    }
-}
-
-#[test]
-fn thread_counts_do_not_matter() {
-    let terrain = world();
-    let tile = window(&terrain, 257, [0, 0], [129, 130]);
-    let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-    for case in cases() {
-        let one = pool(1).install(|| case.run(&terrain, tile, &ground));
-        for n in [2, 7] {
-            same(&case.label, &pool(n).install(|| case.run(&terrain, tile, &ground)), &one, &tile);
-        }
-    }
-}
-
 /// Every `step`-th sample of a raster.
 fn thinned(value: &Value, step: usize) -> Vec<u32> {
     let (grid, parts) = (*value.grid().unwrap(), (value.wire_type().sample_bytes() / 4) as usize);
@@ -259,10 +134,10 @@ fn derivatives_pick_the_same_places_at_every_size() {
             values.into_iter().map(f32::from_bits).collect::<Vec<_>>()
         };
         let want = seen(&middle, 2);
-        assert!(want.iter().any(|v| *v < 0.9), "{}: all is seen", case.label);
+        assert!(want.iter().any(|v| *v < 0.9), "{}: all is seen", case.0.label);
         for other in [seen(&coarse, 1), seen(&fine, 4)] {
             let off = want.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-            assert!(want.len() == other.len() && off < 2e-6, "{}: {off}", case.label);
+            assert!(want.len() == other.len() && off < 2e-6, "{}: {off}", case.0.label);
         }
     }
 }
@@ -270,19 +145,18 @@ fn derivatives_pick_the_same_places_at_every_size() {
 #[test]
 fn the_sky_in_tiles_is_cut_from_the_whole_at_sizes_above_and_below_the_base_grid() {
     let terrain = world();
-    let apron = 0.5 * terrain.span();
-    for case in cases().into_iter().chain(far_cases()).filter(|c| c.kind.id == "occlusion") {
+    for case in skies().into_iter().chain(far_cases()) {
         // Twice and four times as coarse as the base grid, between the two, and finer by whole and odd factors.
         for size in [65u32, 129, 177, 257, 301, 513, 1153] {
             let n = i64::from(size);
             let cut = |k: i64, parts: i64| (n - 1) * k / parts;
             let strip = window(&terrain, size, [0, cut(2, 7)], [size as usize, 5]);
-            let whole = case.run_in(&terrain, strip, &ground, apron);
+            let whole = case.run(&terrain, strip, &ground);
             for (col, cols, row, rows) in
                 [(0, 9, 0, 5), (cut(1, 3), 31, 1, 2), (n - 8, 8, 2, 3), (cut(1, 2), 1, 4, 1)]
             {
                 let tile = window(&terrain, size, [col, strip.row + row], [cols, rows]);
-                same(&case.label, &case.run_in(&terrain, tile, &ground, apron), &whole, &tile);
+                same(&case.0.label, &case.run(&terrain, tile, &ground), &whole, &tile);
             }
         }
     }
@@ -296,9 +170,9 @@ fn what_the_sky_reads_does_not_grow_with_the_build() {
         let whole = terrain.grid(size).unwrap();
         let middle = i64::from(size / 2);
         let tile = Grid { col: middle, row: middle, cols: 129, rows: 129, ..whole };
-        let near = case.node.footprint("height", &tile, &terrain);
-        let far = case.node.views("height", &tile, &terrain);
-        let cost = case.node.cost(&Load::on(tile, &terrain));
+        let near = case.0.node.footprint("height", &tile, &terrain);
+        let far = case.0.node.views("height", &tile, &terrain);
+        let cost = case.0.node.cost(&Load::on(tile, &terrain));
         (near.len(), far.iter().map(Grid::len).sum::<usize>(), cost.bytes)
     };
     let ((near, far, bytes), (_, far_before, _)) = (read(16_385), read(2049));
@@ -509,9 +383,9 @@ fn a_field_on_another_lattice_is_an_error() {
     let other = Lattice { intervals: 100, ..tile.lattice };
     for id in ["select_slope", "occlusion", "expand"] {
         let case = case(id, json!({}));
-        let wires = case.inputs(&ground, |_| Grid { lattice: other, ..tile });
+        let wires = case.0.inputs(&plane(&ground), &|_| Grid { lattice: other, ..tile });
         let cancel = Cancel::default();
-        let error = case.node.run(&Context::bare(tile, &terrain, &cancel), wires).unwrap_err().to_string();
+        let error = case.0.node.run(&Context::bare(tile, &terrain, &cancel), wires).unwrap_err().to_string();
         assert!(error.contains("stands on"), "{id}: {error}");
     }
 }
@@ -712,74 +586,4 @@ fn colours_follow_the_ramp_the_range_and_the_shade() {
         json!({ "palette": { "custom": { "stops": [[0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 1.0]] } }, "shading": 0.0 }),
     );
     assert!((own[0] - 1.0).abs() < 1e-3 && own[1] < 1e-3 && (own[302] - 1.0).abs() < 1e-3);
-}
-
-/// Values at the ends of what a parameter allows.
-fn extremes(param: &Param) -> Vec<Json> {
-    fn ends(shape: &Shape) -> Vec<Json> {
-        match shape {
-            Shape::Number { min, max, integer: true } => vec![json!(*min as i64), json!(*max as i64)],
-            Shape::Number { min, max, .. } => vec![json!(min), json!(max)],
-            Shape::Flag => vec![json!(true), json!(false)],
-            Shape::Optional(inner) => ends(inner),
-            Shape::Choice(modes) => {
-                modes.iter().filter(|m| m.fields.is_empty()).map(|m| json!(m.name)).collect()
-            }
-            // What is drawn has no ends; it has tests of its own.
-            Shape::List { .. } => Vec::new(),
-            other => panic!("no ends known for {other:?}"),
-        }
-    }
-    ends(&param.shape)
-}
-
-#[test]
-fn every_allowed_parameter_gives_finite_fields() {
-    // Cells of 100 m keep the windows of reaches of 50 km small.
-    let terrain = Terrain { width: 6400.0, depth: 6400.0, base: 65, ..Terrain::default() };
-    let grid = window(&terrain, 65, [3, 5], [21, 19]);
-    let fine = window(&terrain, 257, [30, 50], [21, 19]);
-    let spike = |_: &str, x: f64, y: f64| if (x + y) as i64 / 100 % 2 == 0 { f32::MAX } else { f32::MIN };
-    let steep = |_: &str, x: f64, y: f64| (1e6 * noise(x, y, 300.0, 4)) as f32;
-    let flat = |_: &str, _: f64, _: f64| 0.0f32;
-    let sources: [&Source; 4] = [&spike, &steep, &flat, &ground];
-    let mut tried = 0;
-    let registry = Registry::standard();
-    for kind in registry.iter().filter(|k| k.family == "select") {
-        for param in kind.params() {
-            for value in extremes(param) {
-                let set = Map::from_iter([(param.name.clone(), value.clone())]);
-                // An end that turns a range around is refused, which is the other test's concern.
-                let Ok(node) = kind.parse(&set) else { continue };
-                let case =
-                    Case { kind: kind.clone(), node, label: format!("{} {} {value}", kind.id, param.name) };
-                for (source, grid) in (0..8).map(|i| (sources[i / 2], [grid, fine][i % 2])) {
-                    for (port, value) in case.run_in(&terrain, grid, source, 3200.0).iter() {
-                        assert_eq!(value.first_not_finite(), None, "{} `{port}`", case.label);
-                        tried += 1;
-                    }
-                }
-            }
-        }
-    }
-    assert!(tried > 500, "only {tried} outputs were looked at");
-}
-
-#[test]
-fn cancelled_work_stops() {
-    let terrain = world();
-    let tile = window(&terrain, 257, [0, 0], [40, 40]);
-    for case in cases() {
-        let wires = case.inputs(&ground, |port| case.node.footprint(port, &tile, &terrain));
-        let (cancel, whole) = (Cancel::default(), case.summary(&terrain, &ground));
-        let views = case.views(&terrain, tile, &ground, |grid| grid);
-        cancel.cancel();
-        let cx = Context { whole: whole.as_ref(), views: &views, ..Context::bare(tile, &terrain, &cancel) };
-        assert_eq!(
-            case.node.run(&cx, wires).unwrap_err(),
-            orograph::node::Error::Cancelled,
-            "{}",
-            case.label
-        );
-    }
 }

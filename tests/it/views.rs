@@ -7,7 +7,7 @@ use orograph::value::Grid;
 use serde_json::json;
 
 use crate::engine::{engine, evaluate, field, graph, want};
-use crate::fed::grid;
+use crate::rig::grid;
 
 fn around() -> Graph {
     graph(json!({
@@ -20,7 +20,7 @@ fn around() -> Graph {
 fn tiles_equal_the_crop_above_and_below_the_base_grid() {
     let g = around();
     for size in [65, 129, 257, 513] {
-        let whole_grid = grid(&g, size);
+        let whole_grid = grid(g.terrain(), size);
         let whole = field(&evaluate(&engine(2), &g, "end", whole_grid), 0);
         for (col, row) in [(0, 0), (40, 12), (48, 16)] {
             let tile = Grid { col, row, cols: 17, rows: 17, ..whole_grid };
@@ -36,17 +36,17 @@ fn a_view_ends_at_the_apron_and_is_read_once_with_the_build_where_the_lattices_a
     g.assign("end.radius", "20000").unwrap();
     let e = engine(1);
     let runs = |size: u32| {
-        let plan = e.plan(&g, &[want(&g, "end", grid(&g, size))]);
+        let plan = e.plan(&g, &[want(&g, "end", grid(g.terrain(), size))]);
         let all = plan.tasks().into_iter().filter(|t| t.node == "hills" && t.stage == Stage::Run);
         let mut grids: Vec<Grid> = all.map(|t| t.grid.unwrap()).collect();
         grids.sort_by_key(|g| g.lattice.intervals);
         grids
     };
-    let base = grid(&g, 129);
+    let base = grid(g.terrain(), 129);
     let apron = g.terrain().apron(base.lattice);
     assert_eq!(runs(129), [apron], "one evaluation serves both");
-    assert_eq!(runs(257), [apron, grid(&g, 257)], "the build's own and the base grid's");
-    evaluate(&e, &g, "end", grid(&g, 257));
+    assert_eq!(runs(257), [apron, grid(g.terrain(), 257)], "the build's own and the base grid's");
+    evaluate(&e, &g, "end", grid(g.terrain(), 257));
     let far = field(&evaluate(&e, &g, "end", base), 0);
     assert!(far.data().iter().all(|v| v.is_finite()));
 }
@@ -55,7 +55,7 @@ fn a_view_ends_at_the_apron_and_is_read_once_with_the_build_where_the_lattices_a
 fn a_view_does_not_make_the_result_coarser_but_is_in_its_key() {
     let mut g = around();
     let e = engine(1);
-    let fine = evaluate(&e, &g, "end", grid(&g, 513));
+    let fine = evaluate(&e, &g, "end", grid(g.terrain(), 513));
     assert_eq!(fine.effective_cells, [Some(8.0)]);
     let end = g.find("end").unwrap();
     let before = e.key(&g, end);
@@ -69,8 +69,9 @@ fn a_view_of_a_kind_that_does_not_declare_the_base_grid_is_refused() {
         "hills": { "kind": "waves" },
         "end": { "kind": "glances", "in": { "field": "hills.field" } },
     }));
-    let all =
-        engine(1).evaluate(&g, &[want(&g, "end", grid(&g, 65))], &Unobserved, &Cancel::default()).unwrap();
+    let all = engine(1)
+        .evaluate(&g, &[want(&g, "end", grid(g.terrain(), 65))], &Unobserved, &Cancel::default())
+        .unwrap();
     let said = all.values[0].as_ref().unwrap_err().to_string();
     assert!(said.contains("asks for `BASE`"), "{said}");
 }

@@ -109,8 +109,9 @@ fn the_graph_of_the_manual_is_faultless_and_rises() {
     let source = graph.output_source("height").expect("an output");
     let grid = graph.terrain().grid(129).expect("a grid");
     let want = Want { node: source.node, port: source.port, grid };
-    let all =
-        crate::fed::engine(2).evaluate(&graph, &[want], &Unobserved, &Cancel::default()).expect("values");
+    let all = crate::rig::graph::engine(2)
+        .evaluate(&graph, &[want], &Unobserved, &Cancel::default())
+        .expect("values");
     let Ok(Value::Field(field)) = &all.values[0] else { panic!("{:?}", all.values[0]) };
     let (low, high) = field.range().expect("samples");
     assert!(low < 150.0 && high > 900.0, "{low} to {high}");

@@ -69,7 +69,6 @@ fn switch_takes_one_and_needs_no_other() {
     };
     assert_eq!(bits(&run(&node, at, &only_c)), bits(&rough(&at)));
     assert!(!Node::uses(&node, "a") && Node::uses(&node, "c"));
-    let ports = ["a", "b", "c", "d"];
-    let error = run_any(&Switch { choice: 3 }, &ports, at, &only_c).unwrap_err().to_string();
+    let error = Bench::of(&Switch { choice: 3 }).run(&world(), at, &only_c).unwrap_err().to_string();
     assert_eq!(error, "input `d` is not connected, and `choice` is 3");
 }

@@ -7,7 +7,7 @@ use orograph::kit::simd::Level;
 #[test]
 fn transform_is_exact_for_whole_cells_quarter_turns_and_mirrors() {
     let at = window([100, 70], [131, 95]);
-    let wide = rough(&apron(&at));
+    let wide = rough(&world().apron(at.lattice));
     let check = |node: Transform, from: &dyn Fn(i64, i64) -> (i64, i64)| {
         let got = run(&node, at, &rough_field);
         for row in at.row..at.row_end() {

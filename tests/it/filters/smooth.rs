@@ -206,7 +206,7 @@ fn wide_median_is_exact_on_its_lattice_and_between_it_near() {
         assert!((near - want).abs() < 1.5, "{near}, not {want}");
     }
     let got = run(&Median { radius: Metres(140.0 * CELL) }, window([18, 6], [19, 7]), &rough_field);
-    let input = rough(&apron(&at));
+    let input = rough(&world().apron(at.lattice));
     assert_eq!(got.data()[0], sorted_median(&input, [18, 6], 70.0, 2));
 }
 
