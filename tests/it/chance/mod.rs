@@ -9,9 +9,12 @@ use orograph::nodes::Registry;
 use graphs::Chance;
 use verdict::{Tally, judge};
 
-/// Graphs of each run of the tests; `OROGRAPH_CHANCE` asks for more.
+use crate::rig::breadth;
+
+/// Graphs of each run of the tests, more where the whole is tried; `OROGRAPH_CHANCE` asks for any number.
 fn cases() -> u32 {
-    std::env::var("OROGRAPH_CHANCE").ok().and_then(|n| n.parse().ok()).unwrap_or(40)
+    let asked = std::env::var("OROGRAPH_CHANCE").ok().and_then(|n| n.parse().ok());
+    asked.unwrap_or(if breadth() { 2000 } else { 40 })
 }
 
 /// Some hundred bytes that look random and depend on a number alone.

@@ -5,17 +5,17 @@ use std::path::PathBuf;
 use orograph::files::{HeightFile, Info, Limits, read_height};
 use serde_json::Value as Json;
 
-/// The folder; says loudly when there is none.
-pub(crate) fn folder(test: &str) -> Option<PathBuf> {
+use crate::rig::skip::skip;
+
+/// The folder; its absence is told.
+fn folder(test: &str) -> Option<PathBuf> {
     let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/dem");
     let folder = std::env::var_os("OROGRAPH_DEM").map_or_else(beside, PathBuf::from);
     if folder.join("index.json").is_file() {
         return Some(folder);
     }
-    eprintln!(
-        "SKIPPED: {test}: no elevation models at {}; set OROGRAPH_DEM to their folder",
-        folder.display()
-    );
+    let at = folder.display();
+    skip(test, &format!("no elevation models at {at}; set OROGRAPH_DEM to their folder"), &folder);
     None
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use super::{Desk, ended, program, run, text};
+use crate::rig::skip::skip;
 
 /// A file system of some size in memory, as long as it stands.
 struct SmallDisk<'a>(&'a Path);
@@ -31,8 +32,7 @@ fn a_full_disk_loses_nothing() {
     let desk = Desk::new();
     let at = desk.path("disk");
     let Some(_disk) = SmallDisk::mount(&at, "600k") else {
-        eprintln!("SKIPPED: this user may not mount a small disk");
-        return;
+        return skip("a_full_disk_loses_nothing", "this user may not mount a small disk", Path::new(""));
     };
     // A first build fits; the second, larger, does not.
     let small = desk.build("disk/out", &["--size", "65"]);

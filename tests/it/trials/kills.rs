@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::os::unix::process::ExitStatusExt;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use orograph::files::{Limits, read_height};
@@ -10,6 +10,7 @@ use orograph::kit::hash;
 use serde_json::Value as Json;
 
 use super::{Desk, hashes, program, some_of, text, wait};
+use crate::cli::until_told;
 
 fn sha256(bytes: &[u8]) -> String {
     use sha2::{Digest, Sha256};
@@ -44,21 +45,18 @@ fn look(desk: &Desk, out: &str) {
 fn builds_killed_at_random_moments_leave_no_ruins() {
     let desk = Desk::new();
     let (graph, cache) = (text(&desk.path("a.graph")), text(&desk.path("cache")));
-    let start = Instant::now();
-    assert_eq!(desk.build("whole", &["--size", "513"]).code, Some(0));
-    let (took, right) = (start.elapsed(), hashes(&desk.report("whole")));
+    let whole = desk.build("whole", &["--size", "513", "--progress", "json"]);
+    assert_eq!(whole.code, Some(0), "{}", whole.said);
+    let (lines, right) = (whole.said.lines().count() as u64, hashes(&desk.report("whole")));
     let mut hit = 0;
     let tries = some_of((0..85u64).collect(), 5);
     for &i in &tries {
         let name = format!("out{}", i % 7);
         let out = text(&desk.path(&name));
-        let mut child = program()
-            .args(["build", &graph, "-o", &out, "--size", "513", "--cache", &cache])
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let share = (hash::nth(7, i) % 1000) as f64 / 1000.0;
-        std::thread::sleep(took.mul_f64(share));
+        let mut build = program();
+        build.args(["build", &graph, "-o", &out, "--size", "513", "--cache", &cache, "--progress", "json"]);
+        // At any word of those that a whole build tells.
+        let mut child = until_told(&mut build, (hash::nth(7, i) % lines) as usize);
         child.kill().unwrap();
         hit += usize::from(child.wait().unwrap().signal().is_some());
         look(&desk, &name);
@@ -78,30 +76,13 @@ fn signals_stop_a_build_soon() {
     let desk = Desk::new();
     let (graph, out) = (text(&desk.path("a.graph")), text(&desk.path("out")));
     for signal in ["-INT", "-TERM"] {
-        let mut child = program()
-            .args([
-                "build",
-                &graph,
-                "-o",
-                &out,
-                "--size",
-                "8193",
-                "--set",
-                "soft.radius=3000",
-                "--progress",
-                "json",
-            ])
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut build = program();
+        build.args(["build", &graph, "-o", &out, "--size", "8193", "--set", "soft.radius=3000"]);
         // The first word of progress says that the handler is there and work has begun.
-        let mut first = [0];
-        std::io::Read::read_exact(child.stderr.as_mut().unwrap(), &mut first).unwrap();
+        let mut child = until_told(build.args(["--progress", "json"]), 1);
         let start = Instant::now();
         let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
         assert!(sent.success());
-        let mut rest = child.stderr.take().unwrap();
-        std::thread::spawn(move || std::io::copy(&mut rest, &mut std::io::sink()));
         let status = wait(&mut child, Duration::from_secs(30)).expect("the build stops");
         println!("{signal}: {:?}", start.elapsed());
         assert_eq!(status.code(), Some(130));

@@ -1,6 +1,6 @@
 //! Trials of the program as strangers, build farms and failing machines treat it.
 //!
-//! Every test run has a fixed part of each; `OROGRAPH_TRIALS=1 cargo test --test it trials` runs them whole.
+//! Every test run has a fixed part of each; `OROGRAPH_BREADTH=1 cargo test --test it trials` runs them whole.
 
 #[cfg(unix)]
 mod disks;
@@ -18,17 +18,14 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value as Json, json};
 
+use crate::rig::breadth;
+
 /// No command may take longer, on a busy machine and in a build that is little optimised.
 const LIMIT: Duration = Duration::from_secs(60);
 
-/// Whether the trials run whole.
-fn whole() -> bool {
-    std::env::var_os("OROGRAPH_TRIALS").is_some()
-}
-
-/// Every `n`-th of a list, or all of it where the trials run whole.
+/// Every `n`-th of a list, or all of it where the whole is tried.
 fn some_of<T>(all: Vec<T>, n: usize) -> Vec<T> {
-    let step = if whole() { 1 } else { n };
+    let step = if breadth() { 1 } else { n };
     all.into_iter().step_by(step).collect()
 }
 
