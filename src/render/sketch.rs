@@ -2,7 +2,7 @@
 
 use super::picture::Picture;
 use crate::kit::ramp::{Blend, Palette, Ramp};
-use crate::value::{Grid, Sketch, SketchLine, SketchMark};
+use crate::value::{Grid, Sketch, SketchLine, SketchMark, SketchPoint};
 
 /// Colour of what nothing is known of.
 const GROUND: [f32; 3] = [0.11, 0.12, 0.14];
@@ -21,7 +21,7 @@ pub(super) fn picture(sketch: &Sketch, side: usize) -> Picture {
 
 /// Lines seen from above, coloured by height from the lowest to the highest.
 fn lines(lines: &[SketchLine], side: usize) -> Picture {
-    let span = |of: fn(&([f64; 2], Option<f64>)) -> Option<f64>| {
+    let span = |of: fn(&SketchPoint) -> Option<f64>| {
         let all = lines.iter().flatten().filter_map(of);
         all.fold([f64::MAX, f64::MIN], |[lo, hi], v| [lo.min(v), hi.max(v)])
     };

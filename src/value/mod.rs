@@ -13,7 +13,9 @@ pub use constraints::{Constraints, Mark, Planes};
 pub use curves::{Curve, CurveSpec, Curves};
 pub use fill::{Row, fill};
 pub use grid::{Bounds, Grid, Lattice};
-pub use object::{AnyObject, Object, ObjectType, Pin, Sketch, SketchLine, SketchMark};
+pub use object::{
+    AnyObject, Object, ObjectLoader, ObjectType, Pin, Sketch, SketchLine, SketchMark, SketchPoint,
+};
 pub use quantity::{Lift, Quantity};
 pub use raster::{Colors, Field, Raster, Sample, Vectors};
 pub use terrain::{Geo, MAX_BASE, MAX_EXTENT, MAX_SIZE, MIN_SIZE, Terrain};

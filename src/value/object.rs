@@ -11,6 +11,9 @@ use std::sync::Arc;
 
 use super::{Grid, Value};
 
+/// Reads an object from a file of the cache.
+pub type ObjectLoader = fn(&[u8]) -> Option<Value>;
+
 /// What a type of objects is to ports, pages and the canvas.
 #[derive(Debug)]
 pub struct ObjectType {
@@ -24,7 +27,7 @@ pub struct ObjectType {
     pub sample_bytes: u64,
     /// Reads what [`Object::save`] wrote, and nothing that has a fault. None where a cache folder does not keep it, since
     /// reading would take longer than making.
-    pub load: Option<fn(&[u8]) -> Option<Value>>,
+    pub load: Option<ObjectLoader>,
 }
 
 /// The form of a pin, so that wires are told apart without their colours.
@@ -81,8 +84,10 @@ pub enum Sketch {
     Marks(Grid, Vec<SketchMark>),
 }
 
-/// A line of a sketch: places in metres, x east and y south, each with its height where it has one.
-pub type SketchLine = Vec<([f64; 2], Option<f64>)>;
+/// A place of a sketch in metres, x east and y south, and its height where it has one.
+pub type SketchPoint = ([f64; 2], Option<f64>);
+/// A line of a sketch.
+pub type SketchLine = Vec<SketchPoint>;
 
 /// What is drawn of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -53,11 +53,12 @@ fn results(kind: &Kind) -> Entries {
                 continue;
             }
         };
+        let name = set.to_string();
         for (port, value) in values {
             let mut entry = entry(kind, &value);
             // One picture of what is the same.
-            let first = known.entry((port.to_owned(), entry.hash.clone())).or_insert_with(|| set.to_string());
-            if *first != set.to_string() {
+            let first = known.entry((port.to_owned(), entry.hash.clone())).or_insert_with(|| name.clone());
+            if *first != name {
                 (entry.line, entry.picture) = (format!("as {first}"), Vec::new());
             }
             all.insert(format!("{} {set} {port}", kind.id), entry);

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use orograph::node::Load;
 use orograph::context::{Cancel, Context};
 use orograph::kit::hash;
+use orograph::node::Load;
 use orograph::nodes::Registry;
 use orograph::ports::Wires;
 use orograph::value::{Field, Grid, Lattice, Quantity, Terrain, Value};

@@ -5,7 +5,7 @@ use eframe::egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, StrokeKin
 use super::Space;
 use super::grip::{Grip, Part};
 use crate::editor::theme;
-use crate::value::{Curve, Curves, Object as _, SketchLine, WireType};
+use crate::value::{Curve, Curves, Object as _, SketchLine, SketchPoint, WireType};
 
 const DARK: Color32 = Color32::from_black_alpha(170);
 
@@ -27,7 +27,7 @@ pub(super) fn line(curve: &Curve, space: &dyn Space) -> Line {
 
 /// A line of the world as it is seen; it lies on the ground where it has no height.
 fn seen(line: &SketchLine, space: &dyn Space) -> Line {
-    let dot = |(at, height): &([f64; 2], Option<f64>)| {
+    let dot = |(at, height): &SketchPoint| {
         let at = [at[0], at[1], height.unwrap_or_else(|| space.height(*at))];
         space.screen(at).map(|p| Dot { at: p, seen: !space.hides(at) })
     };

@@ -132,10 +132,13 @@ fn damaged() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "is damaged")
 }
 
+/// What follows the header.
+type Parts<'a> = Vec<Cow<'a, [u8]>>;
+
 /// The header and the parts that follow it.
-fn parts<'a>(key: &Key, given: &'a Given) -> io::Result<(Vec<u8>, Vec<Cow<'a, [u8]>>)> {
+fn parts<'a>(key: &Key, given: &'a Given) -> io::Result<(Vec<u8>, Parts<'a>)> {
     let (byte_order, key) = (1u32.to_ne_bytes(), key.to_string());
-    let (header, parts): (_, Vec<Cow<'_, [u8]>>) = match given {
+    let (header, parts): (_, Parts<'_>) = match given {
         Given::Summary(summary) => {
             let summary = &*summary.0;
             let count = Some(summary.len() as u64);

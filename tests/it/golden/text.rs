@@ -11,7 +11,7 @@
 use std::collections::BTreeMap;
 
 use orograph::value::curves::Curve;
-use orograph::value::{Curves, Constraints, Planes, Value};
+use orograph::value::{Constraints, Curves, Planes, Value};
 
 const BLOCKS: usize = 16;
 

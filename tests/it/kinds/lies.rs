@@ -69,7 +69,7 @@ lies! {
     /// Takes the border of its window for an edge.
     Frames, One, Reach::Point => |cx, input| {
         let (field, last) = (input.field.crop(&cx.grid), cx.grid.cols - 1);
-        cx.fill(Quantity::Number, |row, out| {
+        cx.fill(input.field.quantity(), |row, out| {
             out.copy_from_slice(field.row(row.j));
             out[last] = 0.0;
         })?
@@ -77,17 +77,17 @@ lies! {
     /// Hangs on how much it is given.
     Weighs, One, Reach::local(50.0) => |cx, input| {
         let n = input.field.grid().len() as f32;
-        cx.map(&input.field, Quantity::Number, |x: f32| x / n)?
+        cx.map(&input.field, input.field.quantity(), |x: f32| x / n)?
     };
     /// Says that it is a point kind, and hangs on the cell.
     Cells, None, Reach::Point => |cx, _input| {
-        Field::constant(cx.grid, Quantity::Number, cx.grid.cell() as f32)
+        Field::constant(cx.grid, input.field.quantity(), cx.grid.cell() as f32)
     };
     /// Fades towards the edge of the terrain and does not say that it reads it.
     Edgy, One, Reach::Point => |cx, input| {
         let (field, xs) = (input.field.crop(&cx.grid), cx.grid.xs());
         let end = cx.world.bounds().max[0];
-        cx.fill(Quantity::Number, |row, out| {
+        cx.fill(input.field.quantity(), |row, out| {
             for ((o, z), x) in out.iter_mut().zip(field.row(row.j)).zip(&xs) {
                 *o = z * (1.0 - x / end).clamp(0.0, 1.0) as f32;
             }
@@ -95,16 +95,16 @@ lies! {
     };
     /// Hangs on how many threads there are.
     Crowd, None, Reach::Point => |cx, _input| {
-        Field::constant(cx.grid, Quantity::Number, rayon::current_num_threads() as f32)
+        Field::constant(cx.grid, input.field.quantity(), rayon::current_num_threads() as f32)
     };
     /// Hangs on the instruction set.
     Lanes, None, Reach::Point => |cx, _input| {
-        Field::constant(cx.grid, Quantity::Number, Level::best().name().len() as f32)
+        Field::constant(cx.grid, input.field.quantity(), Level::best().name().len() as f32)
     };
     /// Works for half a second of the processor, and neither looks nor tells.
     Deaf, None, Reach::Point => |cx, _input| {
         work(Duration::from_millis(500));
-        Field::constant(cx.grid, Quantity::Number, waves(1.0, 2.0, 3.0, 4))
+        Field::constant(cx.grid, input.field.quantity(), waves(1.0, 2.0, 3.0, 4))
     };
     /// Looks and tells, and heeds nothing.
     GoesOn, None, Reach::Point => |cx, _input| {
@@ -113,7 +113,7 @@ lies! {
             cx.report(k as f32 / 100.0);
             let _ = cx.check();
         }
-        Field::constant(cx.grid, Quantity::Number, 0.0)
+        Field::constant(cx.grid, input.field.quantity(), 0.0)
     };
 }
 

@@ -127,7 +127,11 @@ fn every_mixing_kind_keeps_its_input_where_the_mask_is_0_and_takes_the_result_wh
                 "{} where the mask is 0",
                 kind.id
             );
-            assert!(bytes(&all[output.as_str()]) == bytes(&plain[output.as_str()]), "{} where the mask is 1", kind.id);
+            assert!(
+                bytes(&all[output.as_str()]) == bytes(&plain[output.as_str()]),
+                "{} where the mask is 1",
+                kind.id
+            );
         }
         tried += 1;
     }

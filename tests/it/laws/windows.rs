@@ -43,9 +43,7 @@ fn torn(kind: &Kind, world: World, size: u32, set: &Set, one_in: usize) -> Vec<S
         Err(e) => return vec![format!("{label}: {e}")],
     };
     let differs = |window: Grid| match alone(&g, kind, window) {
-        Ok(part) => {
-            differing(&part, &whole, &window).map(|port| format!("{label}: `{port}` on {window:?}"))
-        }
+        Ok(part) => differing(&part, &whole, &window).map(|port| format!("{label}: `{port}` on {window:?}")),
         Err(e) => Some(format!("{label} on {window:?}: {e}")),
     };
     windows(&whole_grid).into_iter().step_by(one_in).filter_map(differs).collect()
@@ -102,8 +100,9 @@ fn greedy(kind: &Kind, set: &Set, size: u32) -> Option<String> {
         })
         .collect();
     let pairs = wider.views.iter().zip(&exact.views);
-    wider.views =
-        pairs.map(|((p, v), (_, e))| (p.clone(), e.grid().map_or(v.clone(), |g| poisoned(v.clone(), g)))).collect();
+    wider.views = pairs
+        .map(|((p, v), (_, e))| (p.clone(), e.grid().map_or(v.clone(), |g| poisoned(v.clone(), g))))
+        .collect();
     let run = |given| bench.start(terrain, given, &Default::default());
     let differs = match (run(&exact), run(&wider)) {
         (Ok(a), Ok(b)) => a.iter().any(|(p, v)| b.get(p).is_none_or(|other| bytes(other) != bytes(v))),
@@ -175,7 +174,8 @@ fn point_kinds_are_equal_to_the_bit_at_every_size() {
 
 /// Busy values of every type on the whole plane.
 fn plane(kind: &Kind) -> impl Fn(&str, &Grid) -> Option<Value> + Sync {
-    let wires: BTreeMap<String, WireType> = kind.inputs.iter().map(|p| (p.name.to_string(), p.wire)).collect();
+    let wires: BTreeMap<String, WireType> =
+        kind.inputs.iter().map(|p| (p.name.to_string(), p.wire)).collect();
     move |port, g| {
         let at = |x: f64, y: f64, seed: u64| 0.3 * waves(x, y, 700.0, seed);
         Some(match wires.get(port)? {
@@ -216,7 +216,7 @@ fn sees_the_edge(kind: &Kind, set: &Set, size: u32) -> Option<bool> {
         let views = bench.node.views(port, &at, &small).into_iter();
         views.chain([bench.node.footprint(port, &at, &small)]).all(fits)
     };
-    if !bench.ports.iter().all(|p| asks(p)) {
+    if !bench.ports.iter().all(asks) {
         return None;
     }
     let source = plane(kind);

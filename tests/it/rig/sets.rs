@@ -1,9 +1,9 @@
 //! The parameter sets that every kind is tried with.
 
-use orograph::widget::Widget;
 use orograph::kit::hash;
 use orograph::node::Kind;
 use orograph::params::{Param, Shape};
+use orograph::widget::Widget;
 use serde_json::{Map, Value as Json, json};
 
 /// What a graph sets of a node; the rest has its defaults.
