@@ -81,7 +81,7 @@ lies! {
     };
     /// Says that it is a point kind, and hangs on the cell.
     Cells, None, Reach::Point => |cx, _input| {
-        Field::constant(cx.grid, input.field.quantity(), cx.grid.cell() as f32)
+        Field::constant(cx.grid, Quantity::Number, cx.grid.cell() as f32)
     };
     /// Fades towards the edge of the terrain and does not say that it reads it.
     Edgy, One, Reach::Point => |cx, input| {
@@ -95,16 +95,16 @@ lies! {
     };
     /// Hangs on how many threads there are.
     Crowd, None, Reach::Point => |cx, _input| {
-        Field::constant(cx.grid, input.field.quantity(), rayon::current_num_threads() as f32)
+        Field::constant(cx.grid, Quantity::Number, rayon::current_num_threads() as f32)
     };
     /// Hangs on the instruction set.
     Lanes, None, Reach::Point => |cx, _input| {
-        Field::constant(cx.grid, input.field.quantity(), Level::best().name().len() as f32)
+        Field::constant(cx.grid, Quantity::Number, Level::best().name().len() as f32)
     };
     /// Works for half a second of the processor, and neither looks nor tells.
     Deaf, None, Reach::Point => |cx, _input| {
         work(Duration::from_millis(500));
-        Field::constant(cx.grid, input.field.quantity(), waves(1.0, 2.0, 3.0, 4))
+        Field::constant(cx.grid, Quantity::Number, waves(1.0, 2.0, 3.0, 4))
     };
     /// Looks and tells, and heeds nothing.
     GoesOn, None, Reach::Point => |cx, _input| {
@@ -113,7 +113,7 @@ lies! {
             cx.report(k as f32 / 100.0);
             let _ = cx.check();
         }
-        Field::constant(cx.grid, input.field.quantity(), 0.0)
+        Field::constant(cx.grid, Quantity::Number, 0.0)
     };
 }
 
