@@ -61,9 +61,13 @@ pub(super) fn jobs(
     problems: &[Problem],
 ) -> (Vec<Job>, Vec<(String, Problem)>) {
     let (mut jobs, mut broken) = (Vec::new(), Vec::new());
+    let quantities = graph.quantities();
     for (name, output) in graph.outputs().filter(|(n, _)| names.iter().any(|m| m == n)) {
         match source_of(graph, name, problems) {
-            Ok(source) => jobs.push(Job::new(graph, name, output, source, format)),
+            Ok(source) => {
+                let quantity = quantities.get(graph, &source);
+                jobs.push(Job::new(graph, name, output, (source, quantity), format));
+            }
             Err(problem) => broken.push((name.to_owned(), problem)),
         }
     }
@@ -87,8 +91,14 @@ pub(super) fn source_of(graph: &Graph, name: &str, problems: &[Problem]) -> Resu
 }
 
 impl Job {
-    fn new(graph: &Graph, name: &str, output: &Output, source: Source, format: Option<Format>) -> Self {
-        let quantity = graph.quantity(&source).unwrap_or(Quantity::Number);
+    fn new(
+        graph: &Graph,
+        name: &str,
+        output: &Output,
+        (source, quantity): (Source, Option<Quantity>),
+        format: Option<Format>,
+    ) -> Self {
+        let quantity = quantity.unwrap_or(Quantity::Number);
         Self {
             name: name.to_owned(),
             target: output.target,

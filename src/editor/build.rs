@@ -200,9 +200,11 @@ impl BuildDialog {
             named(&combo.response, egui::WidgetType::ComboBox, "Format");
         });
         ui.label("Outputs");
+        let quantities = graph.quantities();
         for (name, output) in graph.outputs() {
             let mut on = self.chosen.iter().any(|n| n == name);
-            let quantity = graph.resolved(&output.from).and_then(|source| graph.quantity(&source));
+            let source = graph.resolved(&output.from);
+            let quantity = source.and_then(|source| quantities.get(graph, &source));
             let what = quantity.map_or("cannot be made".to_owned(), |quantity| {
                 let format = self.format.unwrap_or_else(|| output.format_for(quantity));
                 format!("{}, {}", format.name(), quantity.described())
