@@ -9,7 +9,7 @@ pub enum Reach {
     Gridless,
     /// A value depends on its own point alone.
     Point,
-    /// A value depends on a window around its point; see [`Node::footprint`].
+    /// A value depends on a window around its point; see `Node::footprint`.
     Local(Margin),
     /// A value depends on the whole terrain: the node runs on the base grid.
     Global,

@@ -53,7 +53,7 @@ pub enum Error {
         /// What is wrong with it.
         message: String,
     },
-    /// The kind asked its context for something its [`Meta`] does not declare: a bug of the kind.
+    /// The kind asked its context for something its `Meta` does not declare: a bug of the kind.
     #[error("the kind asks for `{what}` and does not declare it")]
     Undeclared {
         /// What it asked for.
