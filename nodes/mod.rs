@@ -54,6 +54,14 @@ registry! {
         transform_curves: TransformCurves,
     }
 
+    /// Makes land of rivers, and follows water over any land.
+    rivers with network {
+        infill_rivers: InfillRivers,
+        river_profile: RiverProfile,
+        tokunaga_rivers: TokunagaRivers,
+        voronoi_ridges: VoronoiRidges,
+    }
+
     /// Puts two fields together.
     blend {
         combine: Combine,
