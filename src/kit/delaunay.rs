@@ -217,7 +217,6 @@ impl Delaunay {
         self.join(3 * t + 1, (first + 2) as u32);
         self.join(first + 1, (second + 2) as u32);
         self.join(second + 1, (3 * t + 2) as u32);
-        debug_assert_eq!([self.corners[3 * t], self.corners[3 * t + 1]], [a, b]);
         open.extend([3 * t, first, second]);
     }
 

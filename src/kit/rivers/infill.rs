@@ -155,7 +155,7 @@ impl<'a> Land<'a> {
         Self { infill, all, given, links }
     }
 
-    /// The square of the distance to the nearest given river, if that is nearer than a distance.
+    /// Whether a given river is nearer to a place than a distance.
     fn river_within(&self, at: Point, distance: f64) -> bool {
         let mut near = Vec::new();
         self.links.collect(Bounds { min: at, max: at }.grown(distance), &mut near);
@@ -199,8 +199,8 @@ impl<'a> Land<'a> {
         });
         let row = |row: i64| -> Vec<Point> {
             let place = |col: i64| {
-                let seed = mix(self.infill.seed ^ mix(col as u64));
-                let aside = [0, 1].map(|i| JITTER * (2.0 * unit(seed, 2 * row as u64 + i) - 1.0));
+                let seed = mix(mix(self.infill.seed ^ mix(col as u64)) ^ row as u64);
+                let aside = [0, 1].map(|i| JITTER * (2.0 * unit(seed, i) - 1.0));
                 [(col as f64 + 0.5 + aside[0]) * spacing, (row as f64 + 0.5 + aside[1]) * spacing]
             };
             let is_free = |at: &Point| contains(inner, *at) && !self.river_within(*at, NEAR * spacing);

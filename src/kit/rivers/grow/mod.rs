@@ -103,10 +103,9 @@ impl Growth<'_> {
         let depth = map.stems.iter().map(|stem| stem.depth).max().unwrap_or(1);
         // A step has so many times more links than the one before, and takes as much longer.
         let ratio = self.branching.bifurcation();
-        let share = |step: u32| (1..depth.saturating_sub(step)).fold(1.0, |share, _| share / ratio) as f32;
+        let share = |step: u32| (step..depth).fold(1.0, |share, _| share / ratio) as f32;
         for step in 2..=depth {
-            let from = if step == 2 { 0.0 } else { share(step - 1) };
-            map.step(step, &work.stage(from, share(step)))?;
+            map.step(step, &work.stage(share(step - 1), share(step)))?;
         }
         Ok(map.grown)
     }
