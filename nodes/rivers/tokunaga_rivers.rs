@@ -54,7 +54,7 @@ pub struct TokunagaRivers {
     /// How links branch.
     pub branching: BranchingRule,
     /// Depth of a network as long as the longer side of the terrain. A step has about `φ + 1 + R` times as many links.
-    #[schemars(range(min = 1, max = 12), extend("x-soft" = [2, 9]))]
+    #[schemars(range(min = 1, max = 12), extend("x-soft" = [2, 9], "x-unit" = "1"))]
     pub max_depth: u32,
     /// Angle θ between the two branches at the end of a link and the link itself; other branches have twice that.
     #[schemars(range(min = 5.0, max = 80.0))]
@@ -87,7 +87,7 @@ pub enum BranchingRule {
     /// By the generators of the paper.
     Generator {
         /// Generator φ of exterior links.
-        #[schemars(range(min = 1, max = 8))]
+        #[schemars(range(min = 1, max = 8), extend("x-unit" = "1"))]
         phi: u8,
     },
     /// By Tokunaga's law: of each lower order c times as many side branches.

@@ -35,7 +35,7 @@ pub struct VoronoiRidges {
     #[schemars(range(min = 1.0, max = 1_000_000.0), extend("x-soft" = [50.0, 3000.0]))]
     pub reach: Metres,
     /// Rounds of smoothing along ridges.
-    #[schemars(range(min = 0, max = 50))]
+    #[schemars(range(min = 0, max = 50), extend("x-unit" = "1"))]
     pub smooth: u32,
 }
 
