@@ -3,6 +3,7 @@
 mod delaunay;
 mod growth;
 mod infill;
+mod nodes;
 mod profile;
 mod ridges;
 mod topology;
