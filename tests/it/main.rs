@@ -33,3 +33,4 @@ mod strangers;
 mod trials;
 mod vectors;
 mod views;
+mod water;
