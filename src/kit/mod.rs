@@ -9,6 +9,7 @@ pub mod derivative;
 pub mod diffusion;
 pub mod distance;
 pub mod far;
+pub mod flow;
 pub mod hash;
 pub mod math;
 pub mod median;
