@@ -54,10 +54,20 @@ registry! {
         transform_curves: TransformCurves,
     }
 
+    /// Makes land of rivers, and follows water over any land.
+    rivers {
+        carve_rivers: CarveRivers,
+        draw_ridges: DrawRidges,
+        draw_rivers: DrawRivers,
+        enrich: Enrich,
+        skeleton_raster: SkeletonRaster,
+    }
+
     /// Puts two fields together.
     blend {
         combine: Combine,
         mix: Mix,
+        poisson_blend: PoissonBlend,
         switch: Switch,
     }
 

@@ -1,0 +1,6 @@
+//! From river networks to land, and blocks of land set into other land.
+
+mod carve;
+mod enrich;
+mod poisson;
+mod skeleton;
