@@ -99,7 +99,7 @@ impl Node for Enrich {
         let enriched = land::enrich(cols, height.data().to_vec(), bits, &how, &cx.work.stage(0.0, 0.6))?;
         let far = distance::to_set(&cx.work.stage(0.6, 0.9), &known, &cx.grid, self.reach.0, is_known)?;
         let (hold, reach) = (self.hold.0 as f32, self.reach.0.max(f64::MIN_POSITIVE) as f32);
-        let weight = cx.stage(0.9, 1.0).fill(Quantity::Mask, |row, out| {
+        let weight = cx.stage(0.9, 1.0).fill(Quantity::Mask, |row, out: &mut [f32]| {
             for (i, (o, &d)) in out.iter_mut().zip(far.row(row.j)).enumerate() {
                 *o = if d == 0.0 {
                     1.0

@@ -102,7 +102,7 @@ impl Node for SkeletonRaster {
         skeleton.roughen(&cx.work.stage(0.6, 0.8), Some(&noise).filter(|_| self.amplitude.0 > 0.0))?;
         let cols = cx.grid.cols;
         let masked = |from: f32, is: fn(Feature) -> bool| {
-            cx.stage(from, from + 0.06).fill(Quantity::Mask, |row, out| {
+            cx.stage(from, from + 0.06).fill(Quantity::Mask, |row, out: &mut [f32]| {
                 let features = &skeleton.features[row.j * cols..];
                 out.iter_mut().zip(features).for_each(|(o, &f)| *o = f32::from(u8::from(is(f))));
             })

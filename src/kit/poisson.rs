@@ -68,9 +68,9 @@ impl Blend<'_> {
             field.iter_mut().zip(self.reference).for_each(|(t, r)| *t = self.gain * r);
             return Ok(Blended { field, covers_all: true });
         }
-        let membrane = self.membrane(&window, work)?;
+        let membrane = self.membrane(window, work)?;
         for (j, m) in membrane.chunks_exact(window.cols()).enumerate() {
-            let span = self.span(&window, window.top + j);
+            let span = self.span(window, window.top + j);
             let parts = self.mask[span.clone()].iter().zip(&self.reference[span.clone()]).zip(m);
             for (t, ((&mask, r), m)) in field[span].iter_mut().zip(parts) {
                 if mask > 0.0 {
@@ -95,7 +95,7 @@ impl Blend<'_> {
             let Some(first) = row.iter().position(|&m| m > 0.0) else { continue };
             let last = row.iter().rposition(|&m| m > 0.0).unwrap_or(first);
             let here = Window { left: first, right: last + 1, top: j, bottom: j + 1 };
-            found = Some(found.map_or(here, |all| all.with(&here)));
+            found = Some(found.map_or(here, |all| all.with(here)));
         }
         found.map(|w| Window {
             left: w.left.saturating_sub(1),
@@ -106,12 +106,12 @@ impl Blend<'_> {
     }
 
     /// The samples of a row that stand in a window.
-    fn span(&self, window: &Window, row: usize) -> std::ops::Range<usize> {
+    fn span(&self, window: Window, row: usize) -> std::ops::Range<usize> {
         row * self.cols + window.left..row * self.cols + window.right
     }
 
     /// `m` on a window.
-    fn membrane(&self, window: &Window, work: &Work<'_>) -> Result<Vec<f32>, Error> {
+    fn membrane(&self, window: Window, work: &Work<'_>) -> Result<Vec<f32>, Error> {
         let (cols, rows) = (window.cols(), window.rows());
         let (mut fixed, mut target) = (Vec::with_capacity(cols * rows), Vec::with_capacity(cols * rows));
         for span in (window.top..window.bottom).map(|row| self.span(window, row)) {
@@ -130,7 +130,7 @@ impl Blend<'_> {
 
     /// What `m` stands above the mean of its neighbours: minus a quarter of the divergence of `v − k ∇R`, where `v` is the
     /// larger of the differences of `S` and `k R` between two neighbours. Differences beyond the border are none.
-    fn divergence(&self, window: &Window, work: &Work<'_>) -> Result<Vec<f32>, Error> {
+    fn divergence(&self, window: Window, work: &Work<'_>) -> Result<Vec<f32>, Error> {
         let mut out = vec![0.0; window.cols() * window.rows()];
         let band = (1 << 14) / window.cols() + 1;
         work.quiet().rows(&mut out, window.cols(), band, |j, out| {
@@ -165,6 +165,7 @@ impl Blend<'_> {
 }
 
 /// Columns and rows from the first to the last, which is not in it.
+#[derive(Clone, Copy)]
 struct Window {
     left: usize,
     right: usize,
@@ -173,15 +174,15 @@ struct Window {
 }
 
 impl Window {
-    fn cols(&self) -> usize {
+    fn cols(self) -> usize {
         self.right - self.left
     }
 
-    fn rows(&self) -> usize {
+    fn rows(self) -> usize {
         self.bottom - self.top
     }
 
-    fn with(&self, other: &Self) -> Self {
+    fn with(self, other: Self) -> Self {
         Self {
             left: self.left.min(other.left),
             right: self.right.max(other.right),

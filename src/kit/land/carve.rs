@@ -79,7 +79,7 @@ impl Carving {
         let cuts = self.cuts(&work.stage(0.0, 0.8), land, around, links)?;
         let row = |j: usize| &cuts[j * around.cols..(j + 1) * around.cols];
         let lip = (LIP * self.cell) as f32;
-        let height = fill(&work.stage(0.8, 0.9), *grid, land.quantity(), |at, out| {
+        let height = fill(&work.stage(0.8, 0.9), *grid, land.quantity(), |at, out: &mut [f32]| {
             // The row itself is the second: the first stands north of the grid.
             let rows = [row(at.j), row(at.j + 1), row(at.j + 2)];
             for (i, o) in out.iter_mut().enumerate() {
@@ -94,7 +94,7 @@ impl Carving {
                 };
             }
         })?;
-        let bed = fill(&work.stage(0.9, 1.0), *grid, Quantity::Mask, |at, out| {
+        let bed = fill(&work.stage(0.9, 1.0), *grid, Quantity::Mask, |at, out: &mut [f32]| {
             for (o, cut) in out.iter_mut().zip(&row(at.j + 1)[1..]) {
                 *o = f32::from(u8::from(cut.bed < f32::INFINITY));
             }

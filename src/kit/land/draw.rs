@@ -110,7 +110,7 @@ impl Wet {
         let (over, share) = (drawing.color(self.order), std::mem::take(&mut self.share));
         if share > 0.0 {
             self.color = std::array::from_fn(|c| self.color[c] + (over[c] - self.color[c]) * share);
-            self.mask += (1.0 - self.mask) * share;
+            self.mask = (self.mask + (1.0 - self.mask) * share).min(1.0);
         }
     }
 }

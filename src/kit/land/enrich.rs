@@ -240,13 +240,17 @@ impl Noise {
     }
 }
 
-/// The rows of one kind, to be written, each with its number; and all others, to be read, by number.
-#[expect(clippy::type_complexity, reason = "a pair of lists of rows")]
+/// Rows that are written, each with its number.
+type Targets<'a, T> = Vec<(usize, &'a mut [T])>;
+/// Rows that are read, by number; none where the row is written.
+type Others<'a, T> = Vec<Option<&'a mut [T]>>;
+
+/// Parts rows into those that are written and those that are read.
 fn parted<T>(
     data: &mut [T],
     width: usize,
     is_target: impl Fn(usize) -> bool,
-) -> (Vec<(usize, &mut [T])>, Vec<Option<&mut [T]>>) {
+) -> (Targets<'_, T>, Others<'_, T>) {
     let (mut targets, mut others) = (Vec::new(), Vec::new());
     for (row, line) in data.chunks_mut(width).enumerate() {
         if is_target(row) {

@@ -69,6 +69,9 @@ impl Line {
             [u - first[0], v - first[1]]
         };
         let [a, b] = self.ends.map(place);
+        if a.iter().chain(&b).any(|x| !x.is_finite()) {
+            return None;
+        }
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
         for (axis, count) in [grid.cols, grid.rows].into_iter().enumerate() {
             let (start, step) = (a[axis], b[axis] - a[axis]);
@@ -82,7 +85,11 @@ impl Line {
             let [s, t] = sides.map(|side| (side - start) / step);
             (from, to) = (from.max(s.min(t)), to.min(s.max(t)));
         }
-        let at = |share: f64| [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]));
+        // Ends that lie very far off leave few digits to what is near.
+        let most = [grid.cols, grid.rows].map(|count| count as f64 + 1.0);
+        let at = |share: f64| {
+            [0, 1].map(|axis: usize| (a[axis] + share * (b[axis] - a[axis])).clamp(-2.0, most[axis]))
+        };
         let ends = [if from == 0.0 { a } else { at(from) }, if to == 1.0 { b } else { at(to) }];
         (from <= to).then_some(Clipped { ends, shares: [from, to] })
     }
