@@ -55,12 +55,16 @@ registry! {
     }
 
     /// Makes land of rivers, and follows water over any land.
-    rivers {
+    rivers with network {
         carve_rivers: CarveRivers,
         draw_ridges: DrawRidges,
         draw_rivers: DrawRivers,
         enrich: Enrich,
+        infill_rivers: InfillRivers,
+        river_profile: RiverProfile,
         skeleton_raster: SkeletonRaster,
+        tokunaga_rivers: TokunagaRivers,
+        voronoi_ridges: VoronoiRidges,
     }
 
     /// Puts two fields together.
