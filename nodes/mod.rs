@@ -56,7 +56,11 @@ registry! {
 
     /// Makes land of rivers, and follows water over any land.
     rivers with network {
+        carve_rivers: CarveRivers,
         curves_from_rivers: CurvesFromRivers,
+        draw_ridges: DrawRidges,
+        draw_rivers: DrawRivers,
+        enrich: Enrich,
         extract_ridges: ExtractRidges,
         extract_rivers: ExtractRivers,
         fill_depressions: FillDepressions,
@@ -65,6 +69,7 @@ registry! {
         lakes: Lakes,
         river_profile: RiverProfile,
         rivers_from_curves: RiversFromCurves,
+        skeleton_raster: SkeletonRaster,
         tokunaga_rivers: TokunagaRivers,
         voronoi_ridges: VoronoiRidges,
         water_depth: WaterDepth,
@@ -76,6 +81,7 @@ registry! {
     blend {
         combine: Combine,
         mix: Mix,
+        poisson_blend: PoissonBlend,
         switch: Switch,
     }
 

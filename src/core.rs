@@ -24,7 +24,7 @@ pub mod prelude {
     pub use serde::{Deserialize, Serialize};
 
     pub use crate::node::{
-        Context, Cost, Error, FileRequest, Load, Meta, Node, Quantities, Reach, Reads, Result, Row,
+        Context, Cost, Detail, Error, FileRequest, Load, Meta, Node, Quantities, Reach, Reads, Result, Row,
         Summarize, Summary,
     };
     pub use crate::ports::Meaning;

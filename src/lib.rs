@@ -76,7 +76,8 @@
 //!
 //! # Evaluation: [`engine`]
 //! The plan is made from the consumers up: which window of which node is needed, on which lattice. A result that the
-//! cache already has ends the walk. Global nodes run on the base grid, and their results are carried to finer grids.
+//! cache already has ends the walk. Global nodes run on the base grid, and their results are carried to finer grids: a
+//! change of a field is added to it there, with as much of its finer detail as [`node::Node::keep`] says.
 //! Tasks run side by side within the memory that the plan allows. *Caching:* the key of a node is a hash of its kind
 //! and version, its canonical parameters, the keys of its inputs, the content of its files, and the settings that its
 //! kind declares to read. The key of a result adds the grid.

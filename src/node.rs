@@ -74,6 +74,18 @@ impl Reads {
     }
 }
 
+/// How much of the detail that is finer than the base grid an output keeps that the engine carries to other grids
+/// (law 3): the factor `keep` of `out = up(out_base) + keep · (in_build − up(in_base))`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Detail {
+    /// All of it, `keep = 1`: the change is added to the input as it is.
+    Whole,
+    /// The same share everywhere; a gain where it is above 1.
+    Times(f64),
+    /// What a field among the outputs says, in plain numbers: 0 where the detail is buried, 1 where it stays.
+    By(&'static str),
+}
+
 /// Rewrites the parameters of one version of a kind into those of the next.
 pub type Migration = fn(&mut Map<String, Json>);
 
@@ -88,9 +100,11 @@ pub struct Meta {
     pub keywords: &'static [&'static str],
     /// What it reads beside parameters and inputs.
     pub reads: Reads,
-    /// Pairs of output and input that the engine mixes by the `mask` input.
+    /// Pairs of output and input that the engine mixes by the `mask` input. It adds that input and reads it alone, unless
+    /// the kind declares a field of that name among its inputs: then both read it.
     pub mixes: &'static [(&'static str, &'static str)],
-    /// Pairs of output and input for a global kind that changes a field: the change is carried to finer grids.
+    /// Pairs of output and input for a global kind that changes a field: the change is carried to finer grids, with as
+    /// much of their detail as [`Node::keep`] says.
     pub carries: &'static [(&'static str, &'static str)],
     /// One step for each version before the current.
     pub migrations: &'static [Migration],
@@ -220,6 +234,13 @@ pub trait Node:
     fn quantity(&self, output: &str, inputs: Quantities<'_>) -> Quantity {
         let (_, _) = (output, inputs);
         Quantity::Number
+    }
+
+    /// How much of the finer detail of its input an output keeps that [`Meta::carries`] names. Where nothing changed on
+    /// the base grid the input stays whatever is kept, to the bit.
+    fn keep(&self, output: &str) -> Detail {
+        let _ = output;
+        Detail::Whole
     }
 
     /// What a run needs beyond inputs and outputs.

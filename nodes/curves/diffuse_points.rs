@@ -10,6 +10,9 @@ use crate::prelude::*;
 /// through the known samples and beyond them, and values may leave the range \[szeliski1990\]. Both are solved to an
 /// error of a hundred-thousandth of the range, and known samples stay as they are, to the bit.
 ///
+/// Where `known` says weights `w`, from 0 to 1, a membrane solves `u = w · value + (1 − w) · mean of the four neighbours`: 1
+/// holds a sample as it is, less draws the field towards it without making it bend there.
+///
 /// # Limits
 /// It runs on the base grid. Single points pull a membrane to a sharp tip: give them some width with `expand`, or
 /// bend a plate. Known samples on one straight line leave the tilt of a plate across it open: it then has none on the
@@ -17,14 +20,27 @@ use crate::prelude::*;
 /// plate takes about fifteen times as long as a membrane.
 ///
 /// # See also
-/// `import_height` fills the voids of a file by itself.
+/// `import_height` fills the voids of a file by itself; `enrich` gives weights beside rivers and ridges.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DiffusePoints {
     /// What hangs from the known samples.
     pub surface: Surface,
-    /// Lowest value of the mask at which a sample counts as known.
+    /// What the values of `known` say.
+    pub known_as: KnownAs,
+    /// Lowest value of a mask at which a sample counts as known; weights have none.
     pub threshold: Ratio,
+}
+
+/// What says how far samples are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum KnownAs {
+    /// A sample is known from the threshold on, and else not at all.
+    #[default]
+    Mask,
+    /// How far each sample is known, from 0 to 1; of a membrane alone.
+    Weights,
 }
 
 /// What hangs from known samples.
@@ -40,7 +56,7 @@ pub enum Surface {
 
 impl Default for DiffusePoints {
     fn default() -> Self {
-        Self { surface: Surface::default(), threshold: Ratio(0.5) }
+        Self { surface: Surface::default(), known_as: KnownAs::default(), threshold: Ratio(0.5) }
     }
 }
 
@@ -48,7 +64,7 @@ ports! {
     pub struct Inputs {
         /// Field whose values count where they are known.
         field: Field,
-        /// Where they are known.
+        /// Where they are known, or how far.
         known: Field,
     }
     pub struct Outputs {
@@ -86,10 +102,21 @@ impl Node for DiffusePoints {
         Cost { bytes: cost.bytes + diffusion::scratch(), ..cost }
     }
 
+    fn check(&self) -> Result<()> {
+        if self.surface == Surface::ThinPlate && self.known_as == KnownAs::Weights {
+            let message = "must be `mask` where the surface is a thin plate, got `weights`".into();
+            return Err(Error::Parameter { name: "known_as".into(), message });
+        }
+        Ok(())
+    }
+
     fn run(&self, cx: &Context<'_>, Inputs { field, known }: Inputs) -> Result<Outputs> {
         let (field, known) = (field.crop(&cx.grid), known.crop(&cx.grid));
         let threshold = self.threshold.0 as f32;
-        let fixed = cx.map(&known, Quantity::Mask, |k: f32| f32::from(u8::from(k >= threshold)))?;
+        let fixed = match self.known_as {
+            KnownAs::Mask => cx.map(&known, Quantity::Mask, |k: f32| f32::from(u8::from(k >= threshold)))?,
+            KnownAs::Weights => cx.map(&known, Quantity::Mask, |k: f32| k.clamp(0.0, 1.0))?,
+        };
         let (cols, rows) = (cx.grid.cols, cx.grid.rows);
         let solution = match self.surface {
             Surface::Membrane => {

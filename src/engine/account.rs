@@ -11,7 +11,7 @@ use super::foretell::Foretold;
 use super::outputs::Outputs;
 use super::plan::{Role, Stage, Task, Wanted};
 use super::program::Step;
-use crate::node::{Cost, Load};
+use crate::node::{Cost, Detail, Load};
 use crate::ports::MASK;
 use crate::value::{Grid, Terrain};
 
@@ -107,11 +107,17 @@ fn lift_cost(step: &Step, grid: &Grid, base: &Grid, read: Outputs) -> Cost {
         return Cost::per_sample(grid, LIFT_COPY);
     }
     let channels: f64 = read.ports(&step.kind).map(|p| p.wire.sample_bytes() as f64 / 4.0).sum();
-    let carried = step.kind.carries.iter().any(|(output, _)| read.has(&step.kind, output));
-    let extra = if carried { LIFT_CHANGE } else { 0.0 };
-    // The change and its spline, or the splines of three channels and one of them set apart; a direction has two of each.
-    Cost::per_sample(grid, LIFT_SAMPLE * channels + extra)
-        .and(Cost::per_sample(base, LIFT_FIT * channels))
+    let carried = step.kind.carries.iter().filter(|(output, _)| read.has(&step.kind, output));
+    let weighed = |output: &str| matches!(step.node.keep(output), Detail::By(_));
+    let (mut extra, mut splines) = (0.0, channels);
+    for (output, _) in carried {
+        extra += LIFT_CHANGE;
+        splines += if weighed(output) { 2.0 } else { 0.0 };
+    }
+    // The change and its spline, the splines of what is weighed, or those of three channels and one of them set apart; a
+    // direction has two of each.
+    Cost::per_sample(grid, LIFT_SAMPLE * splines + extra)
+        .and(Cost::per_sample(base, LIFT_FIT * splines))
         .with_fields(base, 4.1)
 }
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use crate::kit::rows::lerp;
-use crate::kit::spline::{Spline, Tap};
+use crate::kit::spline::{Spline, Tap, Taps};
 use crate::name::Name;
 use crate::node::{Context, Error, Result};
 use crate::value::{Field, Grid, Lift, Quantity, Raster, Sample, Value};
@@ -24,9 +24,17 @@ pub fn lift(cx: &Context<'_>, base: &Value) -> Result<Value> {
     })
 }
 
-/// A change made on the base grid, applied to the field as it is on another grid: `fine + up(after − before)`.
-/// Where no base sample around a point changed, the fine field stays, bit for bit.
-pub(super) fn carry(cx: &Context<'_>, fine: &Value, before: &Value, after: &Value) -> Result<Value> {
+/// What weighs the detail of a finer grid in what is carried to it.
+pub(super) enum Keep<'a> {
+    /// The same number everywhere.
+    Number(f32),
+    /// A field on the base grid.
+    Field(&'a Field),
+}
+
+/// A change made on the base grid, applied to the field as it is on another grid:
+/// `up(after) + keep · (fine − up(before))`. Where no base sample around a point changed, the fine field stays, bit for bit.
+pub(super) fn carry(cx: &Context<'_>, [fine, before, after]: [&Value; 3], keep: Keep<'_>) -> Result<Value> {
     let (Value::Field(fine), Value::Field(before), Value::Field(after)) = (fine, before, after) else {
         return Err(Error::Output {
             port: Name::default(),
@@ -38,40 +46,93 @@ pub(super) fn carry(cx: &Context<'_>, fine: &Value, before: &Value, after: &Valu
         return Ok(Value::Field(after.crop(&cx.grid)));
     }
     let before = before.crop(base);
-    let change: Vec<f32> = after.data().iter().zip(before.data()).map(|(a, b)| a - b).collect();
-    let spline = Spline::fit(base.cols, base.rows, &change);
+    let weighed = Weighed::new(&before, after, keep);
     let at = Positions::new(&cx.grid, base);
-    let taps = spline.taps(at.cols.iter().copied());
+    let taps = weighed.spline().taps(at.cols.iter().copied());
     let fine = fine.crop(&cx.grid);
     let quantity = after.quantity();
     let out = cx.fill(quantity, |row, out: &mut [f32]| {
-        let v = at.rows[row.j];
-        spline.row(v, &taps, out);
-        let changed = ChangedRows::around(&change, base, v);
-        for ((o, f), tap) in out.iter_mut().zip(fine.row(row.j)).zip(taps.iter()) {
-            *o = if changed.near(tap) { bounded(f + *o, quantity) } else { *f };
+        let (v, fine) = (at.rows[row.j], fine.row(row.j));
+        weighed.row(v, &taps, fine, out);
+        let changed = ChangedRows::around(&before, after, v);
+        for ((o, f), tap) in out.iter_mut().zip(fine).zip(taps.iter()) {
+            *o = if changed.near(tap) { bounded(*o, quantity) } else { *f };
         }
     })?;
     Ok(Value::Field(out))
 }
 
+/// The sum that a carry makes of each sample.
+enum Weighed {
+    /// `keep · fine + up(after − keep · before)`, which is the sum where `keep` is a number.
+    Number { keep: f32, rest: Spline },
+    /// `up(after) + up(keep) · (fine − up(before))`.
+    Field { after: Spline, before: Spline, keep: Spline, quantity: Quantity },
+}
+
+impl Weighed {
+    fn new(before: &Field, after: &Field, keep: Keep<'_>) -> Self {
+        let base = after.grid();
+        let fit = |samples: &[f32]| Spline::fit(base.cols, base.rows, samples);
+        match keep {
+            Keep::Number(keep) => {
+                let rest = |(a, b): (&f32, &f32)| a - keep * b;
+                let rest: Vec<f32> = after.data().iter().zip(before.data()).map(rest).collect();
+                Self::Number { keep, rest: fit(&rest) }
+            }
+            Keep::Field(keep) => Self::Field {
+                after: fit(after.data()),
+                before: fit(before.data()),
+                keep: fit(keep.crop(base).data()),
+                quantity: keep.quantity(),
+            },
+        }
+    }
+
+    /// A spline of the base grid; the taps of all of them are the same.
+    fn spline(&self) -> &Spline {
+        match self {
+            Self::Number { rest: spline, .. } | Self::Field { after: spline, .. } => spline,
+        }
+    }
+
+    fn row(&self, v: f64, taps: &Taps, fine: &[f32], out: &mut [f32]) {
+        match self {
+            Self::Number { keep, rest } => {
+                rest.row(v, taps, out);
+                out.iter_mut().zip(fine).for_each(|(o, f)| *o += keep * f);
+            }
+            Self::Field { after, before, keep, quantity } => {
+                let (mut line, mut weight) = (vec![0.0; out.len()], vec![0.0; out.len()]);
+                after.row(v, taps, out);
+                before.row(v, taps, &mut line);
+                keep.row(v, taps, &mut weight);
+                for ((o, f), (b, k)) in out.iter_mut().zip(fine).zip(line.iter().zip(&weight)) {
+                    *o += bounded(*k, *quantity) * (f - b);
+                }
+            }
+        }
+    }
+}
+
 /// The base rows whose change a position feels.
 struct ChangedRows<'a> {
-    rows: Vec<&'a [f32]>,
+    rows: Vec<[&'a [f32]; 2]>,
 }
 
 impl<'a> ChangedRows<'a> {
-    fn around(change: &'a [f32], base: &Grid, v: f64) -> Self {
-        let first = Tap::at(v, base.rows).first;
-        let rows = (first.saturating_sub(1)..(first + 3).min(base.rows))
-            .map(|r| &change[r * base.cols..][..base.cols]);
-        Self { rows: rows.collect() }
+    fn around(before: &'a Field, after: &'a Field, v: f64) -> Self {
+        let rows = after.grid().rows;
+        let first = Tap::at(v, rows).first;
+        let touched = first.saturating_sub(1)..(first + 3).min(rows);
+        Self { rows: touched.map(|r| [before.row(r), after.row(r)]).collect() }
     }
 
     /// Whether any of the samples next to a tap changed.
     fn near(&self, tap: &Tap) -> bool {
-        let touches = |row: &&[f32]| {
-            row[tap.first.saturating_sub(1)..(tap.first + 3).min(row.len())].iter().any(|&c| c != 0.0)
+        let touches = |[before, after]: &[&[f32]; 2]| {
+            let touched = tap.first.saturating_sub(1)..(tap.first + 3).min(before.len());
+            before[touched.clone()] != after[touched]
         };
         self.rows.iter().any(touches)
     }

@@ -8,7 +8,7 @@ use super::key::Key;
 use super::outputs::Outputs;
 use super::plan::{Role, Stage, Target, Task, Wanted};
 use super::program::{Input, Program, Step};
-use crate::node::{Cancel, Reach};
+use crate::node::{Cancel, Detail, Reach};
 use crate::ports::{MASK, Wires};
 use crate::value::{Grid, Terrain};
 
@@ -128,7 +128,8 @@ impl<'a> Planner<'a> {
                     _ => self.run_asks(step, &grid),
                 };
                 if stage == Stage::Lift || step.node.needs_summary() {
-                    on_base = Some(on_base.unwrap_or_default().union(read));
+                    let weights = self.weights(step, &grid, read);
+                    on_base = Some(on_base.unwrap_or_default().union(read).union(weights));
                 }
             }
             self.drafts.push(Draft { step: i, stage, grid, read, key, found, asks });
@@ -155,7 +156,7 @@ impl<'a> Planner<'a> {
     }
 
     fn input_asks(step: &Step, window: impl Fn(&str) -> Grid) -> Vec<(Role, Ask)> {
-        let own = step.inputs.iter().enumerate().filter(|(_, input)| is_own(step, input));
+        let own = step.inputs.iter().enumerate().filter(|(_, input)| step.kind.hands_over(&input.port));
         own.map(|(i, input)| (Role::Input(i), asked(input, window(&input.port)))).collect()
     }
 
@@ -174,7 +175,8 @@ impl<'a> Planner<'a> {
     /// What an input is read on besides its footprint, each window for itself.
     fn view_asks(step: &Step, grid: &Grid, terrain: &Terrain) -> Vec<(Role, Ask)> {
         let mut asks = Vec::new();
-        for (i, input) in step.inputs.iter().enumerate().filter(|(_, input)| is_own(step, input)) {
+        let own = step.inputs.iter().enumerate().filter(|(_, input)| step.kind.hands_over(&input.port));
+        for (i, input) in own {
             let windows = step.node.views(&input.port, grid, terrain).into_iter();
             asks.extend(windows.map(|window| (Role::View(i), asked(input, clip(&window, terrain)))));
         }
@@ -192,6 +194,19 @@ impl<'a> Planner<'a> {
         }
         Self::mix_asks(step, grid, read, &mut asks);
         asks
+    }
+
+    /// The outputs that weigh the detail of those that are read and carried.
+    fn weights(&self, step: &Step, grid: &Grid, read: Outputs) -> Outputs {
+        if self.base.contains(grid) {
+            return Outputs::default();
+        }
+        let carried = step.kind.carries.iter().filter(|(output, _)| read.has(&step.kind, output));
+        let weight = |output: &str| match step.node.keep(output) {
+            Detail::By(field) => Outputs::one(&step.kind, field),
+            Detail::Whole | Detail::Times(_) => Outputs::default(),
+        };
+        carried.fold(Outputs::default(), |all, (output, _)| all.union(weight(output)))
     }
 
     fn mix_asks(step: &Step, grid: &Grid, read: Outputs, asks: &mut Vec<(Role, Ask)>) {
@@ -262,11 +277,6 @@ impl<'a> Planner<'a> {
         }
         Some((tasks, results))
     }
-}
-
-/// Whether an input is the kind's own, rather than the mask by which the engine mixes.
-fn is_own(step: &Step, input: &Input) -> bool {
-    step.kind.mixes.is_empty() || input.port != MASK.name
 }
 
 /// What an input asks for on a grid.

@@ -21,7 +21,7 @@ use super::plan::{Plan, Role, Stage, Task};
 use super::program::{Input, Step};
 use super::{Keep, lift, mix};
 use crate::name::Name;
-use crate::node::{Cancel, Context, Error, Kind, Result};
+use crate::node::{Cancel, Context, Detail, Error, Kind, Result};
 use crate::ports::{MASK, Wires};
 use crate::value::{Grid, Quantity, Value};
 use crate::work::Work;
@@ -479,12 +479,27 @@ fn lifted(cx: &Context<'_>, step: &Step, read: Outputs, needs: &Needs<'_>) -> Re
             })
         });
         let value = match (before, carried.and_then(|input| fine.get(input))) {
-            (Some(before), Some(fine)) => lift::carry(cx, fine, before, after)?,
+            (Some(before), Some(fine)) => lift::carry(cx, [fine, before, after], keep(step, port, base)?)?,
             _ => lift::lift(cx, after)?,
         };
         out.put(port.clone(), value);
     }
     Ok(out)
+}
+
+/// What weighs the finer detail of a carried output.
+fn keep<'a>(step: &Step, port: &str, base: &'a Wires) -> Result<lift::Keep<'a>> {
+    match step.node.keep(port) {
+        Detail::Whole => Ok(lift::Keep::Number(1.0)),
+        Detail::Times(gain) => Ok(lift::Keep::Number(gain as f32)),
+        Detail::By(field) => match base.get(field) {
+            Some(Value::Field(field)) => Ok(lift::Keep::Field(field)),
+            _ => Err(Error::Output {
+                port: Name::new(field),
+                message: format!("is no field and cannot say what `{port}` keeps"),
+            }),
+        },
+    }
 }
 
 /// Law 8: every output that was to be made is there, on its grid, of its type, and finite.

@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 use serde_json::{Map, Value as Json, json};
 
 use super::{
-    Context, Cost, Error, FileRequest, Load, Meta, Migration, Node, Quantities, Reach, Reads, Result,
+    Context, Cost, Detail, Error, FileRequest, Load, Meta, Migration, Node, Quantities, Reach, Reads, Result,
     SourceFile, Summary,
 };
 use crate::name::Name;
@@ -41,6 +41,11 @@ pub trait AnyNode: Debug + Send + Sync {
     fn quantity(&self, output: &str, inputs: Quantities<'_>) -> Quantity {
         let (_, _) = (output, inputs);
         Quantity::Number
+    }
+    /// See [`Node::keep`].
+    fn keep(&self, output: &str) -> Detail {
+        let _ = output;
+        Detail::Whole
     }
     /// See [`Node::cost`].
     fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
@@ -105,6 +110,9 @@ impl<N: Node> AnyNode for N {
     fn quantity(&self, output: &str, inputs: Quantities<'_>) -> Quantity {
         Node::quantity(self, output, inputs)
     }
+    fn keep(&self, output: &str) -> Detail {
+        Node::keep(self, output)
+    }
     fn cost(&self, load: &Load<'_>) -> Cost {
         Node::cost(self, load)
     }
@@ -165,7 +173,7 @@ pub struct Kind {
     pub migrations: Vec<Migration>,
     /// See [`Meta::quick`].
     pub quick: bool,
-    /// The inputs, the engine's `mask` among them where the kind mixes.
+    /// The inputs, `mask` among them where the kind mixes.
     pub inputs: Vec<Port>,
     /// The outputs.
     pub outputs: Vec<Port>,
@@ -173,6 +181,8 @@ pub struct Kind {
     defaults: Document,
     parse: Parser,
     params: OnceLock<Vec<Param>>,
+    /// Whether the last input is a mask that the engine alone reads.
+    has_engine_mask: bool,
 }
 
 impl Kind {
@@ -240,6 +250,7 @@ impl Kind {
             defaults: Box::new(|| json!({})),
             parse,
             params: OnceLock::new(),
+            has_engine_mask: false,
         }
     }
 
@@ -255,13 +266,20 @@ impl Kind {
         }
     }
 
-    /// The kind with pairs of output and input that the engine mixes, and the input for the mask by which it does.
+    /// The kind with pairs of output and input that the engine mixes, and an input for the mask by which it does unless
+    /// the kind has one of that name: then the node reads it, too.
     #[must_use]
     pub fn mixing(mut self, pairs: Vec<(Name, Name)>) -> Self {
-        if !pairs.is_empty() {
+        let has_engine_mask = !pairs.is_empty() && self.input(&ports::MASK.name).is_none();
+        if has_engine_mask {
             self.inputs.push(ports::MASK);
         }
-        Self { mixes: pairs, ..self }
+        Self { mixes: pairs, has_engine_mask, ..self }
+    }
+
+    /// Whether the node itself reads an input, rather than the engine alone, which mixes by it.
+    pub fn hands_over(&self, port: &str) -> bool {
+        !self.has_engine_mask || port != ports::MASK.name
     }
 
     /// Whether an input matters to the result of a node; the mask by which the engine mixes always does.

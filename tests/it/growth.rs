@@ -10,7 +10,7 @@ use orograph::kit::curves::rasterise;
 use orograph::node::{Cancel, Context, Kind, Load};
 use orograph::params::page::sections;
 use orograph::params::{Param, Shape};
-use orograph::ports::{MASK, Wires};
+use orograph::ports::Wires;
 use orograph::value::{CurveSpec, Curves, Field, Grid, Object as _, Quantity, Terrain, Value, WireType};
 use serde_json::{Map, Value as Json, json};
 
@@ -329,7 +329,7 @@ fn run(kind: &'static Kind, set: &Map<String, Json>, size: u32) -> impl Fn() -> 
     let grid = terrain.grid(size).unwrap();
     let (e, cancel) = (engine(1), Cancel::default());
     let inputs = |grid: Grid| -> Wires {
-        let ports = kind.inputs.iter().filter(|p| p.name != MASK.name && node.uses(&p.name));
+        let ports = kind.inputs.iter().filter(|p| kind.hands_over(&p.name) && node.uses(&p.name));
         let value = |name: &str| {
             let source = graph.source(id, name)?;
             let want = orograph::engine::Want { node: source.node, port: source.port, grid };

@@ -4,6 +4,7 @@
 
 mod budgets;
 mod cache;
+mod carries;
 mod chance;
 mod cli;
 mod curves;
@@ -27,6 +28,7 @@ mod plans;
 mod readme;
 mod render;
 mod rig;
+mod rivers;
 mod select;
 mod sidecars;
 mod sources;

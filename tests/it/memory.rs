@@ -16,7 +16,7 @@ use orograph::kit::curves::rasterise;
 use orograph::name::Name;
 use orograph::node::{Cancel, Context, Kind, Load, Reach, SourceFile};
 use orograph::params::Shape;
-use orograph::ports::{MASK, Wires};
+use orograph::ports::Wires;
 use orograph::value::{CurveSpec, Curves, Field, Grid, Object as _, Quantity, Terrain, Value};
 use orograph::widget::Widget;
 use orograph::work::Work;
@@ -111,7 +111,7 @@ fn said_and_taken(kind: &Kind, set: &Map<String, Json>, size: u32, wider: i64) -
     let grid = if node.reach() == Reach::Global { terrain.base_grid() } else { terrain.grid(size).unwrap() };
     let evaluate = |want: Want| e.evaluate(&graph, &[want], &Unobserved, &cancel).unwrap().values.remove(0);
     let inputs = |window: &dyn Fn(&str) -> Grid| -> Wires {
-        let ports = kind.inputs.iter().filter(|p| p.name != MASK.name && node.uses(&p.name));
+        let ports = kind.inputs.iter().filter(|p| kind.hands_over(&p.name) && node.uses(&p.name));
         let value = |name: &str| {
             let source = graph.source(id, name)?;
             Some(evaluate(Want { node: source.node, port: source.port, grid: window(name) }).unwrap())

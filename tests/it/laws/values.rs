@@ -127,8 +127,9 @@ fn every_mixing_kind_keeps_its_input_where_the_mask_is_0_and_takes_the_result_wh
                 "{} where the mask is 0",
                 kind.id
             );
+            // What a kind makes of a mask that it reads itself is no mix of what it makes without one.
             assert!(
-                bytes(&all[output.as_str()]) == bytes(&plain[output.as_str()]),
+                kind.hands_over(&MASK.name) || bytes(&all[output.as_str()]) == bytes(&plain[output.as_str()]),
                 "{} where the mask is 1",
                 kind.id
             );

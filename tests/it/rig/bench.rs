@@ -5,7 +5,7 @@ use std::sync::Arc;
 use orograph::graph::Graph;
 use orograph::name::Name;
 use orograph::node::{AnyNode, Cancel, Context, Error, Kind, Node, Reads, Summary};
-use orograph::ports::{MASK, Ports, Wires};
+use orograph::ports::{Ports, Wires};
 use orograph::value::{Field, Grid, Terrain, Value};
 use serde_json::Value as Json;
 
@@ -40,7 +40,7 @@ impl Bench {
 
     /// A node as a graph sets it.
     pub(crate) fn set(kind: &Kind, set: &Set) -> Result<Self, Error> {
-        let own = |name: &&Name| **name != MASK.name || kind.mixes.is_empty();
+        let own = |name: &&Name| kind.hands_over(name);
         let ports = kind.inputs.iter().map(|p| &p.name).filter(own).cloned().collect();
         let label = format!("{} {}", kind.id, Json::from(set.clone()));
         Ok(Self { node: kind.parse(set)?, ports, label, reads: kind.reads })

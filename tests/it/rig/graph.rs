@@ -105,9 +105,9 @@ fn given(kind: &Kind, set: &Set) -> Set {
     set
 }
 
-/// A source for each input. The mask by which the engine mixes is left out unless one is named: it has a test of its own.
+/// A source for each input. A mask that the engine alone reads is left out unless one is named: it has a test of its own.
 fn wires(kind: &Kind, mask: Option<&str>) -> Set {
-    let engines = !kind.mixes.is_empty();
+    let engines = !kind.hands_over(&MASK.name);
     let mut wires = Map::new();
     for (i, port) in kind.inputs.iter().enumerate() {
         match (port.name == MASK.name, mask) {

@@ -1,0 +1,7 @@
+//! From river networks to land, and blocks of land set into other land.
+
+mod blend;
+mod carve;
+mod enrich;
+mod poisson;
+mod skeleton;
