@@ -1,4 +1,4 @@
-//! Readers of lines: SVG pictures and `GeoJSON` files become feature curves.
+//! Readers of lines: SVG pictures and `GeoJSON` files become feature curves, or lines with their properties.
 //!
 //! A reader goes through the text once, in time and memory that follow its length, and asks every few hundred elements
 //! whether to go on. What one line or element of a file gets wrong costs that line alone: the rest is read, and a
@@ -9,10 +9,14 @@ mod collect;
 mod decode;
 pub mod geojson;
 mod mapping;
+mod open;
 pub mod svg;
 mod tally;
+mod wanted;
 
 pub use mapping::{Mapping, Property, Source};
+pub use open::{Laying, memory, read};
+pub use wanted::{FileLine, Wanted};
 
 use crate::value::Curves;
 use crate::value::curves::CurveError;
@@ -29,6 +33,8 @@ pub const MAX_ELEMENTS: usize = 1 << 20;
 pub struct Imported {
     /// The curves, in the order of the file.
     pub curves: Curves,
+    /// The lines, in the order of the file, where they were wanted as they are.
+    pub lines: Vec<FileLine>,
     /// What was left out or looks wrong, a sentence each without a full stop.
     pub warnings: Vec<String>,
 }

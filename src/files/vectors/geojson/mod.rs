@@ -9,7 +9,7 @@ use serde::de::{DeserializeSeed as _, IgnoredAny, MapAccess, SeqAccess};
 use self::crs::{Grounds, Said};
 use self::item::{An, AnItem, Any, Desk, Feature, Geometry, Item, Member, Next, Object as _, State, Take};
 use self::reader::{Common, Reader};
-use super::{GoOn, Imported, Mapping, Watch, check_size, decode, short};
+use super::{GoOn, Imported, Wanted, Watch, check_size, decode, short};
 use crate::value::curves::CurveError;
 use crate::value::{Bounds, Terrain};
 
@@ -37,28 +37,29 @@ impl Place {
     }
 }
 
-/// The curves of all lines of a file whose coordinates are lengths to the east and north, metres unless its coordinate
-/// system has another unit, with the constraints that a mapping makes of their properties. The rings of polygons are
+/// The lines of a file whose coordinates are lengths to the east and north, metres unless its coordinate system has
+/// another unit, as curves with the constraints that a mapping makes of their properties, or as they are. The rings of polygons are
 /// lines, too; points are left out and counted.
 ///
 /// # Errors
 /// When the text is no `GeoJSON`, says that it lies in another coordinate system than the terrain, is over a limit, or
 /// the work was asked to stop.
-pub fn read(
+pub fn read<'a>(
     bytes: &[u8],
     place: &Place,
-    mapping: &Mapping,
+    wanted: impl Into<Wanted<'a>>,
     go_on: &GoOn<'_>,
 ) -> Result<Imported, CurveError> {
+    let wanted = wanted.into();
     check_size(bytes)?;
     let text = decode::text(bytes).map_err(|e| CurveError::file("GeoJSON", e))?;
-    let asked = mapping.names().chain(["name"]).map(str::to_owned).collect();
+    let asked = wanted.names().into_iter().chain(["name"]).map(str::to_owned).collect();
     // A value of a list takes some four bytes at least.
     let watch = Watch::new(go_on, text.len() / 4);
     watch.at(0)?;
     let desk = Desk { watch, asked, state: std::cell::RefCell::new(State::default()) };
     let (grounds, warning) = grounds(&text, &desk, place)?;
-    let mut reader = Reader::new(place, grounds, mapping);
+    let mut reader = Reader::new(place, grounds, wanted);
     let mut from = serde_json::Deserializer::from_str(&text);
     let whole = Any(Whole { desk: &desk, reader: &mut reader }).deserialize(&mut from);
     let whole = whole.and_then(|whole| from.end().map(|()| whole));

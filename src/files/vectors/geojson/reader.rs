@@ -1,4 +1,4 @@
-//! Makes curves of features and geometries.
+//! Takes up the lines of features and geometries.
 
 use super::Place;
 use super::crs::{Ground, Grounds, Said};
@@ -6,7 +6,7 @@ use super::item::{Feature, Geometry, Item, Member};
 use crate::files::vectors::collect::Collector;
 use crate::files::vectors::mapping::Line;
 use crate::files::vectors::tally::Notice;
-use crate::files::vectors::{Imported, MAX_POSITIONS, Mapping, Property, short};
+use crate::files::vectors::{Imported, MAX_POSITIONS, Property, Wanted, short};
 use crate::value::curves::bezier::{Point, norm, shares, sub};
 use crate::value::curves::{CurveError, Fault, smooth};
 
@@ -41,8 +41,8 @@ pub(super) struct Common<'a> {
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(place: &'a Place, grounds: Grounds, mapping: &'a Mapping) -> Self {
-        let collector = Collector::new(mapping, place.onto, MAX_POSITIONS);
+    pub(super) fn new(place: &'a Place, grounds: Grounds, wanted: Wanted<'a>) -> Self {
+        let collector = Collector::new(wanted, place.onto, MAX_POSITIONS);
         Self { place, grounds, collector, own: Vec::new(), degrees: true, lines: 0 }
     }
 

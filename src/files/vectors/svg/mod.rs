@@ -23,7 +23,7 @@ use self::tree::{Node, Tree};
 use super::collect::Collector;
 use super::mapping::Line;
 use super::tally::Notice;
-use super::{GoOn, Imported, MAX_ELEMENTS, Mapping, Property, Watch, check_size, decode, short, too_many};
+use super::{GoOn, Imported, MAX_ELEMENTS, Property, Wanted, Watch, check_size, decode, short, too_many};
 use crate::value::Bounds;
 use crate::value::curves::CurveError;
 use crate::value::curves::bezier::Point;
@@ -39,8 +39,8 @@ pub enum Fit {
     Stretch,
 }
 
-/// The curves of all lines and shapes of a picture whose page is laid on a rectangle of the terrain; each subpath is a
-/// curve.
+/// All lines and shapes of a picture whose page is laid on a rectangle of the terrain, as curves or as they are; each
+/// subpath is one.
 ///
 /// The page is as large as `width` and `height` say, in units of a fixed length, else as the view box; the
 /// view box lies in it as `preserveAspectRatio` says. Transforms count, and so do inner `svg`, `use`, `symbol` and `switch`. What is not
@@ -50,20 +50,21 @@ pub enum Fit {
 ///
 /// # Errors
 /// When the text is no picture, its page has no size, it is over a limit, or the work was asked to stop.
-pub fn read(
+pub fn read<'a>(
     bytes: &[u8],
     onto: Bounds,
     fit: Fit,
-    mapping: &Mapping,
+    wanted: impl Into<Wanted<'a>>,
     go_on: &GoOn<'_>,
 ) -> Result<Imported, CurveError> {
+    let wanted = wanted.into();
     check_size(bytes)?;
     let text = decode::text(bytes).map_err(|e| CurveError::file("SVG", e))?;
     // What `use` draws again is in the file once: a small file may become this much more.
     let most = text.len() / 2 + MAX_REPEATED;
-    let mut collector = Collector::new(mapping, onto, most);
+    let mut collector = Collector::new(wanted, onto, most);
     let parsing = |share: f32| go_on(0.3 * share);
-    let tree = Tree::parse(&text, mapping, &Watch::new(&parsing, text.len()), &mut collector.tally)?;
+    let tree = Tree::parse(&text, &wanted, &Watch::new(&parsing, text.len()), &mut collector.tally)?;
     let drawing = |share: f32| go_on(0.3 + 0.7 * share);
     let drawing = Watch::new(&drawing, tree.len());
     let root = tree.node(0);

@@ -15,7 +15,7 @@ use super::entities::{Between, Entities, TooLong};
 use super::scopes::{Scopes, Space};
 use super::style::{Look, Looks, Moves, StyleText};
 use crate::files::vectors::tally::{Notice, Tally};
-use crate::files::vectors::{MAX_ELEMENTS, Mapping, Watch, short, too_many};
+use crate::files::vectors::{MAX_ELEMENTS, Wanted, Watch, short, too_many};
 use crate::value::curves::CurveError;
 
 /// Elements that hold nothing to draw, with all that stands in them.
@@ -89,13 +89,13 @@ impl<'t> Tree<'t> {
     /// When the text is no XML, its root is another element, or it is over a limit.
     pub(super) fn parse(
         text: &'t str,
-        mapping: &Mapping,
+        wanted: &Wanted<'_>,
         watch: &Watch<'_>,
         tally: &mut Tally,
     ) -> Result<Self, CurveError> {
         let mut parser = Parser {
             tree: Self { text, elements: Vec::new(), attributes: Vec::new(), looks: Looks::default() },
-            asked: asked(mapping),
+            asked: asked(wanted),
             entities: Entities::default(),
             scopes: Scopes::default(),
             open: Vec::new(),
@@ -137,9 +137,9 @@ impl<'t> Tree<'t> {
     }
 }
 
-fn asked(mapping: &Mapping) -> BTreeSet<String> {
+fn asked(wanted: &Wanted<'_>) -> BTreeSet<String> {
     let mut asked: BTreeSet<String> = ASKED.iter().map(|&name| name.to_owned()).collect();
-    for name in mapping.names() {
+    for name in wanted.names() {
         asked.insert(name.to_owned());
         asked.insert(format!("data-{name}"));
     }
