@@ -18,6 +18,7 @@ mod graph;
 mod growth;
 mod kinds;
 mod laws;
+mod lines;
 mod memory;
 mod objects;
 mod pages;
