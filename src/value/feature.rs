@@ -10,8 +10,8 @@ pub struct Feature {
     /// Its positions in the world, in metres, x east and y south, with heights where it has them. At least two; the
     /// last repeats the first where the line is closed.
     pub line: SketchLine,
-    /// How wide it is drawn in a picture, in metres; 0 where it has no width of its own.
-    pub width: f64,
+    /// How strongly it is drawn in a picture: 1 for the finest line, 3 for one three times as wide.
+    pub weight: f64,
     /// What else is known of it: text, numbers, and lists of numbers spread evenly over its length.
     pub properties: Map<String, Json>,
 }

@@ -19,15 +19,15 @@ pub(in crate::files) static FORM: Form = Form {
     voids: false,
     write: Writer::Lines(write),
     nanoseconds: 100.0,
-    holds: "lines as paths as wide as they are, on a page of the terrain; properties as attributes `data-NAME`; no heights of \
+    holds: "lines as paths, large rivers wider than small ones, on a page of the terrain; properties as attributes `data-NAME`; no heights of \
             positions; one file a build, not one a tile",
     purpose: "drawing programs, and `import_curves`, which reads them back",
 };
 
 /// The longer side of the page, in user units: the picture as browsers and drawing programs first show it.
 const PAGE: f64 = 1024.0;
-/// A line without a width of its own is this share of the longer side wide.
-const HAIRLINE: f64 = 1e-3;
+/// The finest line is this share of the longer side wide.
+const HAIRLINE: f64 = 5e-4;
 
 /// The view box is the terrain, in metres, so that `import_curves` lays the page where it was.
 fn write(lines: &Lines<'_>, out: &mut dyn Write) -> Result<(), WriteError> {
@@ -46,7 +46,7 @@ fn write(lines: &Lines<'_>, out: &mut dyn Write) -> Result<(), WriteError> {
         "<g fill=\"none\" stroke=\"#{r:02x}{g:02x}{b:02x}\" stroke-linecap=\"round\" stroke-linejoin=\"round\">"
     )?;
     lines.each(|_, feature| {
-        let stroke = if feature.width > 0.0 { feature.width } else { longer * HAIRLINE };
+        let stroke = longer * HAIRLINE * feature.weight;
         write!(out, "<path stroke-width=\"{stroke}\"")?;
         attributes(&feature, out)?;
         out.write_all(b" d=\"")?;

@@ -42,7 +42,7 @@ impl Object for Curves {
     fn features(&self) -> Features<'_> {
         Box::new(self.iter().map(|curve| Feature {
             line: curve.sketch(),
-            width: 0.0,
+            weight: 1.0,
             properties: properties(curve),
         }))
     }
