@@ -17,6 +17,8 @@ pub enum Widget {
     File,
     /// A ramp of colours.
     Gradient,
+    /// Straight lines that are drawn on the terrain, each east and south of its start and of its end.
+    Lines,
     /// A place, east and south.
     Point,
     /// A number with a dice.

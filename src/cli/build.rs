@@ -132,7 +132,11 @@ fn wrote(out: &Path, outputs: &[Json]) -> Vec<String> {
     }
     let line = |o: &Json| {
         let path = out.join(o["path"].as_str().unwrap_or_default());
-        format!("wrote {}: {} x {} samples", path.display(), o["cols"], o["rows"])
+        let what = match o["cols"].as_u64().zip(o["rows"].as_u64()) {
+            Some((cols, rows)) => format!("{cols} x {rows} samples"),
+            None => format!("{} bytes", o["bytes"]),
+        };
+        format!("wrote {}: {what}", path.display())
     };
     outputs.iter().map(line).collect()
 }
@@ -248,12 +252,13 @@ impl Build<'_> {
         // Most notes hold for every tile alike.
         let mut said = BTreeSet::new();
         for tile in tiles {
-            if jobs.is_empty() {
-                break;
+            let due: Vec<&Job> = jobs.iter().filter(|j| j.is_due(tile)).collect();
+            if due.is_empty() {
+                continue;
             }
-            let evaluation = self.evaluate(&jobs, tile, report)?;
+            let evaluation = self.evaluate(&due, tile, report)?;
             let mut dropped = Vec::new();
-            for (i, (job, value)) in jobs.iter().zip(&evaluation.values).enumerate() {
+            for (i, (job, value)) in due.into_iter().zip(&evaluation.values).enumerate() {
                 let written = match value {
                     // On the threads that the user allowed, and whose memory is counted.
                     Ok(value) => self.engine.pool().install(|| job.write(value, tile, &to)),
@@ -273,15 +278,11 @@ impl Build<'_> {
                     }
                     Err(stop) => {
                         failed(&job.name, stop.message, stop.exit, report, Some(tile));
-                        dropped.push(i);
+                        dropped.push(job.name.clone());
                     }
                 }
             }
-            let mut i = 0;
-            jobs.retain(|_| {
-                i += 1;
-                !dropped.contains(&(i - 1))
-            });
+            jobs.retain(|job| !dropped.contains(&job.name));
         }
         Ok(exit)
     }
@@ -297,7 +298,7 @@ impl Build<'_> {
         let mut failures = Vec::new();
         self.progress.label("range");
         for job in jobs.iter_mut().filter(|j| j.needs_range()) {
-            let evaluation = self.values(std::slice::from_ref(job), &base, report)?;
+            let evaluation = self.values(&[job], &base, report)?;
             match &evaluation.values[0] {
                 Ok(value) => job.take_range(value),
                 Err(f) => failures.push(fault(job, f)),
@@ -306,7 +307,7 @@ impl Build<'_> {
         Ok(failures)
     }
 
-    fn evaluate(&self, jobs: &[Job], tile: &Tile, report: &mut Report<'_>) -> Result<Evaluation, Stop> {
+    fn evaluate(&self, jobs: &[&Job], tile: &Tile, report: &mut Report<'_>) -> Result<Evaluation, Stop> {
         self.progress.label(if self.cut {
             format!("tile {},{}", tile.place.col, tile.place.row)
         } else {
@@ -315,7 +316,7 @@ impl Build<'_> {
         Ok(self.values(jobs, &tile.grid, report)?)
     }
 
-    fn values(&self, jobs: &[Job], grid: &Grid, report: &mut Report<'_>) -> Result<Evaluation, EngineError> {
+    fn values(&self, jobs: &[&Job], grid: &Grid, report: &mut Report<'_>) -> Result<Evaluation, EngineError> {
         let wants: Vec<_> = jobs.iter().map(|j| j.want(*grid)).collect();
         let evaluation = self.engine.evaluate(self.graph, &wants, self.progress, self.cancel)?;
         self.enter(&evaluation, report);

@@ -127,7 +127,9 @@ fn format(asked: Option<Format>, name: &str) -> Result<Format, Stop> {
         let format = Format::of_name(name);
         return format.ok_or_else(|| Stop::usage(format!("`{name}` names no format; say --format")));
     };
-    let codec = format.codec();
+    let Some(codec) = format.codec() else {
+        return Err(Stop::usage(format!("--format {format} holds lines, and a file of heights has none")));
+    };
     let is_raw = |codec: &Codec| codec.extensions.contains(&"r16") || codec.extensions.contains(&"r32");
     let is_any_raw = is_raw(codec) && name.to_ascii_lowercase().ends_with(".raw");
     match Codec::of_name(name).filter(|named| *named != codec && !is_any_raw) {

@@ -8,7 +8,7 @@ use super::args::GraphArgs;
 use super::exit::{Exit, Stop, print_json, print_lines};
 use super::{height, open};
 use crate::files::{Format, Info};
-use crate::graph::{Graph, GraphQuantities, Output};
+use crate::graph::Graph;
 use crate::node::Cancel;
 use crate::nodes::Registry;
 use crate::params::Shape;
@@ -63,7 +63,8 @@ fn as_json(graph: &Graph) -> serde_json::Value {
     });
     let quantities = graph.quantities();
     let outputs = graph.outputs().map(|(name, o)| {
-        let (quantity, format) = written(graph, &quantities, o);
+        let written = quantities.written(graph, o, None);
+        let (quantity, format) = (written.and_then(|w| w.quantity), written.map(|w| w.format).or(o.format));
         json!({
             "name": name, "from": o.from, "format": format.map(Format::name),
             "quantity": quantity.map(Quantity::name), "unit": quantity.map(Quantity::unit), "about": o.about,
@@ -74,17 +75,6 @@ fn as_json(graph: &Graph) -> serde_json::Value {
         "tags": about.tags, "terrain": graph.terrain(), "nodes": graph.nodes().len(),
         "exposed": exposed.collect::<Vec<_>>(), "outputs": outputs.collect::<Vec<_>>(),
     })
-}
-
-/// What the numbers of an output mean, and the format in which a build writes it; nothing where a fault leaves them open.
-fn written(
-    graph: &Graph,
-    quantities: &GraphQuantities,
-    output: &Output,
-) -> (Option<Quantity>, Option<Format>) {
-    let source = graph.resolved(&output.from);
-    let quantity = source.and_then(|source| quantities.get(graph, &source));
-    (quantity, output.format.or(quantity.map(|quantity| output.format_for(quantity))))
 }
 
 fn lines(graph: &Graph) -> Vec<String> {
@@ -125,10 +115,10 @@ fn lines(graph: &Graph) -> Vec<String> {
     }
     let quantities = graph.quantities();
     for (name, o) in graph.outputs() {
-        let (quantity, format) = written(graph, &quantities, o);
-        let parts = [format.map(|f| f.name().to_owned()), quantity.map(Quantity::described)];
-        let what: Vec<String> = parts.into_iter().flatten().collect();
-        let line = format!("output   {name} from {}: {}  {}", o.from, what.join(", "), o.about);
+        let written = quantities.written(graph, o, None);
+        let format = || o.format.map(Format::name).unwrap_or_default().to_owned();
+        let what = written.map_or_else(format, |written| written.described());
+        let line = format!("output   {name} from {}: {what}  {}", o.from, o.about);
         lines.push(line.trim_end().trim_end_matches(':').to_owned());
     }
     lines

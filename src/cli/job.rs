@@ -9,8 +9,8 @@ use sha2::{Digest, Sha256};
 use super::exit::{Exit, Stop};
 use crate::engine::Want;
 use crate::files::{Format, Target, WriteJob, Writing, encode, sidecar_name, writer_cost};
-use crate::graph::{Graph, Output, Place, Problem, Source};
-use crate::value::{Grid, Quantity, Terrain, Value};
+use crate::graph::{self, Graph, Output, Place, Problem, Source};
+use crate::value::{Grid, Quantity, Terrain, Value, WireType};
 use crate::whole::{self, Known};
 
 /// A part of the window that is built at once.
@@ -27,10 +27,8 @@ pub(super) struct Job {
     pub source: Source,
     output: Output,
     target: Option<Target>,
-    format: Format,
+    written: graph::Written,
     range: Option<[f64; 2]>,
-    quantity: Quantity,
-    channels: usize,
 }
 
 /// What the files of a build have in common.
@@ -65,8 +63,11 @@ pub(super) fn jobs(
     for (name, output) in graph.outputs().filter(|(n, _)| names.iter().any(|m| m == n)) {
         match source_of(graph, name, problems) {
             Ok(source) => {
+                let wire = graph.wire_type(&source).unwrap_or(WireType::Field);
                 let quantity = quantities.get(graph, &source);
-                jobs.push(Job::new(graph, name, output, (source, quantity), format));
+                let quantity = quantity.or(wire.is_raster().then_some(Quantity::Number));
+                let format = output.format_for(format, wire, quantity);
+                jobs.push(Job::new(name, output, source, graph::Written { wire, quantity, format }));
             }
             Err(problem) => broken.push((name.to_owned(), problem)),
         }
@@ -91,22 +92,13 @@ pub(super) fn source_of(graph: &Graph, name: &str, problems: &[Problem]) -> Resu
 }
 
 impl Job {
-    fn new(
-        graph: &Graph,
-        name: &str,
-        output: &Output,
-        (source, quantity): (Source, Option<Quantity>),
-        format: Option<Format>,
-    ) -> Self {
-        let quantity = quantity.unwrap_or(Quantity::Number);
+    fn new(name: &str, output: &Output, source: Source, written: graph::Written) -> Self {
         Self {
             name: name.to_owned(),
             target: output.target,
-            format: format.unwrap_or_else(|| output.format_for(quantity)),
             range: output.range,
             output: output.clone(),
-            quantity,
-            channels: graph.wire_type(&source).map_or(1, |wire| wire.channels()),
+            written,
             source,
         }
     }
@@ -118,29 +110,53 @@ impl Job {
 
     /// Seconds that writing it on a grid takes on one core.
     pub(super) fn writing_seconds(&self, grid: &Grid) -> f64 {
-        writer_cost(self.format, [grid.cols, grid.rows], self.channels, 1).seconds
+        writer_cost(self.written.format, [grid.cols, grid.rows], self.channels(), 1).seconds
     }
 
     /// The entry of a plan: what will be written, before anything runs.
     pub(super) fn planned(&self, grid: &Grid, effective_cell: Option<f64>) -> Json {
+        let grid = self.grid(grid);
         json!({
-            "name": self.name, "cols": grid.cols, "rows": grid.rows, "effective_cell": effective_cell,
-            "format": self.format.name(), "quantity": self.quantity.name(), "unit": self.quantity.unit(),
+            "name": self.name, "cols": grid.map(|g| g.cols), "rows": grid.map(|g| g.rows),
+            "effective_cell": effective_cell, "format": self.written.format.name(),
+            "quantity": self.quantity().map(Quantity::name), "unit": self.quantity().map(Quantity::unit),
         })
     }
 
     /// What will be written, as a person reads it: `exr, elevation in m`.
     pub(super) fn summary(&self) -> String {
-        format!("{}, {}", self.format.name(), self.quantity.described())
+        self.written.described()
+    }
+
+    /// The grid on which its samples stand; none of what is no raster.
+    pub(super) fn grid(&self, of: &Grid) -> Option<Grid> {
+        self.written.wire.is_raster().then_some(*of)
+    }
+
+    /// Whether it is written for a tile: lines are written once, with the first of the cut.
+    pub(super) fn is_due(&self, tile: &Tile) -> bool {
+        !self.written.is_of_the_whole() || (tile.place.col, tile.place.row) == (0, 0)
+    }
+
+    fn channels(&self) -> usize {
+        self.written.wire.channels()
+    }
+
+    fn quantity(&self) -> Option<Quantity> {
+        self.written.quantity
+    }
+
+    fn has_sidecar(&self) -> bool {
+        self.written.format.has_sidecar(self.channels())
     }
 
     /// Whether integers are to be written and nobody said what they stand for.
     pub(super) fn needs_range(&self) -> bool {
         let own = matches!(
-            self.quantity,
-            Quantity::Mask | Quantity::Direction | Quantity::Slope | Quantity::Color | Quantity::Vector
+            self.quantity(),
+            Some(Quantity::Mask | Quantity::Direction | Quantity::Slope | Quantity::Color | Quantity::Vector)
         );
-        self.format.is_integer() && self.range.is_none() && !own
+        self.written.format.is_integer() && self.range.is_none() && !own
     }
 
     /// Takes the range from the base grid, a tenth wider each way since finer grids reach a little further.
@@ -153,23 +169,30 @@ impl Job {
     }
 
     fn stem(&self, tile: &Tile, cut: bool) -> String {
-        if cut { format!("{}_x{}_y{}", self.name, tile.place.col, tile.place.row) } else { self.name.clone() }
+        if cut && !self.written.is_of_the_whole() {
+            format!("{}_x{}_y{}", self.name, tile.place.col, tile.place.row)
+        } else {
+            self.name.clone()
+        }
     }
 
     fn file(&self, tile: &Tile, cut: bool) -> String {
-        format!("{}.{}", self.stem(tile, cut), self.format.extension())
+        format!("{}.{}", self.stem(tile, cut), self.written.format.extension())
     }
 
     /// The names of the files it will write for a tile.
     pub(super) fn files(&self, tile: &Tile, cut: bool) -> Vec<String> {
+        if !self.is_due(tile) {
+            return Vec::new();
+        }
         let file = self.file(tile, cut);
-        let sidecar = self.format.has_sidecar(self.channels).then(|| sidecar_name(&file));
+        let sidecar = self.has_sidecar().then(|| sidecar_name(&file));
         sidecar.into_iter().chain([file]).collect()
     }
 
     /// The file that it will write for a tile, where a sidecar goes with it.
     pub(super) fn with_sidecar(&self, tile: &Tile, cut: bool) -> Option<String> {
-        self.format.has_sidecar(self.channels).then(|| self.file(tile, cut))
+        self.has_sidecar().then(|| self.file(tile, cut))
     }
 
     /// Writes the value of a tile, whole or not at all.
@@ -182,7 +205,7 @@ impl Job {
             clip: self.output.clip,
             flip: self.output.flip || self.target.is_some_and(Target::flip),
             target: self.target,
-            ..self.format.into()
+            ..self.written.format.into()
         };
         let job = WriteJob {
             tile: cut.then_some(tile.place),
@@ -204,18 +227,17 @@ impl Job {
             Value::Field(f) => f.range(),
             _ => None,
         };
-        let grid = tile.grid;
+        let grid = self.grid(&tile.grid);
         let json = json!({
-            "name": self.name, "path": file, "format": self.format.name(), "bytes": stamp.bytes,
-            "sha256": stamp.sha256, "samples_sha256": samples_sha256(value),
-            "cols": grid.cols, "rows": grid.rows, "cell": grid.cell(),
-            "quantity": self.quantity.name(), "unit": self.quantity.unit(),
+            "name": self.name, "path": file, "format": self.written.format.name(), "bytes": stamp.bytes,
+            "sha256": stamp.sha256, "samples_sha256": grid.map(|_| samples_sha256(value)),
+            "cols": grid.map(|g| g.cols), "rows": grid.map(|g| g.rows), "cell": grid.map(|g| g.cell()),
+            "quantity": self.quantity().map(Quantity::name), "unit": self.quantity().map(Quantity::unit),
             "min": range.map(|r| r.0), "max": range.map(|r| r.1),
             "range": written.range, "clipped": written.clipped, "notes": notes,
-            "tile": cut.then(|| json!(tile.place)), "sidecar": sidecar,
+            "tile": grid.filter(|_| cut).map(|_| json!(tile.place)), "sidecar": sidecar,
         });
-        let cost = writer_cost(self.format, [grid.cols, grid.rows], self.channels, 1);
-        Ok(Entry { json, notes, planned_seconds: cost.seconds })
+        Ok(Entry { json, notes, planned_seconds: self.writing_seconds(&tile.grid) })
     }
 }
 

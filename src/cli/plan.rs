@@ -175,10 +175,8 @@ fn table(planned: &Planned<'_>) -> Vec<String> {
     for (i, job) in jobs.iter().enumerate() {
         if let Some(cell) = plan.effective_cell(i) {
             let (name, what) = (&job.name, job.summary());
-            lines.push(format!(
-                "output {name}: {} x {}, {what}, detail down to {cell:.3} m",
-                window.cols, window.rows
-            ));
+            let size = job.grid(window).map(|g| format!("{} x {}, ", g.cols, g.rows)).unwrap_or_default();
+            lines.push(format!("output {name}: {size}{what}, detail down to {cell:.3} m"));
         }
     }
     for f in failures {

@@ -134,7 +134,7 @@ impl Editor {
     pub(super) fn draw(&mut self) {
         let (drawing, pad) = self.pad();
         drawing.look(&pad);
-        if matches!(drawing.sheet(), Some(Sheet::Curves(_) | Sheet::Trail(_))) {
+        if matches!(drawing.sheet(), Some(Sheet::Curves(_) | Sheet::Lines(_) | Sheet::Trail(_))) {
             drawing.begin();
             return;
         }

@@ -203,12 +203,8 @@ impl BuildDialog {
         let quantities = graph.quantities();
         for (name, output) in graph.outputs() {
             let mut on = self.chosen.iter().any(|n| n == name);
-            let source = graph.resolved(&output.from);
-            let quantity = source.and_then(|source| quantities.get(graph, &source));
-            let what = quantity.map_or("cannot be made".to_owned(), |quantity| {
-                let format = self.format.unwrap_or_else(|| output.format_for(quantity));
-                format!("{}, {}", format.name(), quantity.described())
-            });
+            let written = quantities.written(graph, output, self.format);
+            let what = written.map_or("cannot be made".to_owned(), |written| written.described());
             if ui.checkbox(&mut on, format!("{name} ({what})")).changed() {
                 self.chosen.retain(|n| n != name);
                 if on {

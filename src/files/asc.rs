@@ -5,7 +5,7 @@ use std::str::FromStr;
 use rayon::prelude::*;
 
 use super::bands::{self, Band, Split};
-use super::codec::{Codec, Form, Format};
+use super::codec::{Codec, Form, Format, Writer};
 use super::error::{Fault, WriteError};
 use super::height::{HeightFile, Origin, room};
 use super::input::{Claim, Input};
@@ -38,7 +38,7 @@ pub(super) static TEXT: Form = Form {
     sidecar: false,
     flips: false,
     voids: true,
-    write,
+    write: Writer::Samples(write),
     nanoseconds: 140.0,
     holds: "Esri ASCII grid, every number to the bit",
     purpose: "old GIS",

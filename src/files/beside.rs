@@ -67,7 +67,7 @@ impl Sidecar {
         }
         self.orograph?;
         let format = Format::from_str(&self.format).ok()?;
-        let own = Codec::of_name(beside).is_some_and(|codec| codec == format.codec());
+        let own = Codec::of_name(beside).is_some_and(|codec| Some(codec) == format.codec());
         let stem = sidecar_name(last(beside));
         let stem = stem.strip_suffix("json").unwrap_or(&stem);
         Some(if own { last(beside).to_owned() } else { format!("{stem}{}", format.extension()) })

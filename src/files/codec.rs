@@ -4,6 +4,7 @@
 //! recognised, read and written, and one line in [`codecs!`].
 
 use std::fmt;
+use std::io::Write;
 use std::str::FromStr;
 
 use schemars::JsonSchema;
@@ -12,10 +13,12 @@ use serde::{Deserialize, Serialize};
 use super::error::{Fault, WriteError, extension_of};
 use super::height::HeightFile;
 use super::input::{Claim, Input};
+use super::lines::{self, Lines};
 use super::sheet::{Sheet, Sink};
 use super::write::Written;
 use super::{asc, esri, exr, hgt, pfm, png, raw, terragen, tiff, xyz};
 use crate::params::did_you_mean;
+use crate::value::WireType;
 
 /// Most bytes that tell a kind of file.
 pub(super) const LONGEST_MAGIC: usize = 16;
@@ -52,7 +55,7 @@ pub struct Form {
     pub by_extension: bool,
     /// The highest integer of a range, where it holds integers.
     pub levels: Option<f64>,
-    /// Components of the values it takes: fields have one, vectors two, colours three.
+    /// Components of the values it takes: fields have one, vectors two, colours three; none where it holds lines.
     pub channels: &'static [usize],
     /// Whether a JSON sidecar goes with a file of one channel, for what the file cannot say: place, unit, range.
     pub sidecar: bool,
@@ -60,7 +63,7 @@ pub struct Form {
     pub flips: bool,
     /// Whether a void can be told from a height.
     pub voids: bool,
-    pub(super) write: fn(&Sheet<'_>, &mut dyn Sink) -> Result<Written, WriteError>,
+    pub(super) write: Writer,
     /// Nanoseconds a number to put it into the form of the file and to press it, on one core, for plans.
     pub nanoseconds: f64,
     /// For the table of docs/files.md: what it holds.
@@ -69,28 +72,39 @@ pub struct Form {
     pub purpose: &'static str,
 }
 
+/// What writes a form.
+pub(super) enum Writer {
+    /// Of samples on a grid.
+    Samples(fn(&Sheet<'_>, &mut dyn Sink) -> Result<Written, WriteError>),
+    /// Of lines.
+    Lines(fn(&Lines<'_>, &mut dyn Write) -> Result<(), WriteError>),
+}
+
 /// Makes the enum of written formats and the list of codecs of one table.
 macro_rules! codecs {
-    ($($codec:path { $($(#[$doc:meta])* $format:ident = $form:path,)* })*) => {
+    (
+        heights { $($codec:path { $($(#[$doc:meta])* $format:ident = $form:path,)* })* }
+        lines { $($(#[$line_doc:meta])* $line:ident = $line_form:path,)* }
+    ) => {
         /// A format that is written.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
         #[serde(rename_all = "snake_case")]
-        pub enum Format { $($($(#[$doc])* $format,)*)* }
+        pub enum Format { $($($(#[$doc])* $format,)*)* $($(#[$line_doc])* $line,)* }
 
-        const FORMATS: usize = [$($(stringify!($format),)*)*].len();
+        const FORMATS: usize = [$($(stringify!($format),)*)* $(stringify!($line),)*].len();
 
         impl Format {
             /// Every format, in the order messages list them.
-            pub const ALL: [Self; FORMATS] = [$($(Self::$format,)*)*];
+            pub const ALL: [Self; FORMATS] = [$($(Self::$format,)*)* $(Self::$line,)*];
 
             /// The format's line of the table.
             pub fn form(self) -> &'static Form {
-                match self { $($(Self::$format => &$form,)*)* }
+                match self { $($(Self::$format => &$form,)*)* $(Self::$line => &$line_form,)* }
             }
 
-            /// The kind of file that it is.
-            pub fn codec(self) -> &'static Codec {
-                match self { $($(Self::$format => &$codec,)*)* }
+            /// The kind of height file that it is; none where it holds lines.
+            pub fn codec(self) -> Option<&'static Codec> {
+                match self { $($(Self::$format => Some(&$codec),)*)* $(Self::$line => None,)* }
             }
         }
 
@@ -100,40 +114,48 @@ macro_rules! codecs {
 }
 
 codecs! {
-    png::CODEC {
-        /// PNG with 8 bits a channel.
-        Png8 = png::EIGHT,
-        /// PNG with 16 bits a channel.
-        Png16 = png::SIXTEEN,
+    heights {
+        png::CODEC {
+            /// PNG with 8 bits a channel.
+            Png8 = png::EIGHT,
+            /// PNG with 16 bits a channel.
+            Png16 = png::SIXTEEN,
+        }
+        tiff::CODEC {
+            /// GeoTIFF of 32-bit floats.
+            Tiff = tiff::FLOATS,
+            /// GeoTIFF of 16-bit integers.
+            Tiff16 = tiff::INTEGERS,
+        }
+        exr::CODEC {
+            /// OpenEXR of 32-bit floats.
+            Exr = exr::FLOATS,
+        }
+        raw::CODEC16 {
+            /// 16-bit integers without a header, little-endian.
+            R16 = raw::INTEGERS,
+        }
+        raw::CODEC32 {
+            /// 32-bit floats without a header, little-endian.
+            R32 = raw::FLOATS,
+        }
+        asc::CODEC {
+            /// Esri ASCII grid.
+            Asc = asc::TEXT,
+        }
+        hgt::CODEC {}
+        esri::FLT {}
+        esri::BIL {}
+        pfm::CODEC {}
+        terragen::CODEC {}
+        xyz::CODEC {}
     }
-    tiff::CODEC {
-        /// GeoTIFF of 32-bit floats.
-        Tiff = tiff::FLOATS,
-        /// GeoTIFF of 16-bit integers.
-        Tiff16 = tiff::INTEGERS,
+    lines {
+        /// Lines as GeoJSON.
+        Geojson = lines::geojson::FORM,
+        /// Lines as an SVG picture.
+        Svg = lines::svg::FORM,
     }
-    exr::CODEC {
-        /// OpenEXR of 32-bit floats.
-        Exr = exr::FLOATS,
-    }
-    raw::CODEC16 {
-        /// 16-bit integers without a header, little-endian.
-        R16 = raw::INTEGERS,
-    }
-    raw::CODEC32 {
-        /// 32-bit floats without a header, little-endian.
-        R32 = raw::FLOATS,
-    }
-    asc::CODEC {
-        /// Esri ASCII grid.
-        Asc = asc::TEXT,
-    }
-    hgt::CODEC {}
-    esri::FLT {}
-    esri::BIL {}
-    pfm::CODEC {}
-    terragen::CODEC {}
-    xyz::CODEC {}
 }
 
 impl Format {
@@ -144,13 +166,13 @@ impl Format {
 
     /// The extension of its files, without the dot.
     pub fn extension(self) -> &'static str {
-        self.codec().extension()
+        self.codec().map_or(self.name(), Codec::extension)
     }
 
     /// The format that an output file's name asks for: 16 bits where PNG is all it says.
     pub fn of_name(name: &str) -> Option<Self> {
         let codec = Codec::of_name(name)?;
-        Self::ALL.into_iter().find(|f| f.form().by_extension && f.codec() == codec)
+        Self::ALL.into_iter().find(|f| f.form().by_extension && f.codec() == Some(codec))
     }
 
     /// Whether it holds integers, so that values need a range.
@@ -167,6 +189,24 @@ impl Format {
     /// colours need none.
     pub fn has_sidecar(self, channels: usize) -> bool {
         channels == 1 && self.form().sidecar
+    }
+
+    /// The formats of samples on a grid, in the order messages list them.
+    pub fn of_samples() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|f| !f.holds_lines())
+    }
+
+    /// Whether it holds lines instead of samples on a grid.
+    pub fn holds_lines(self) -> bool {
+        matches!(self.form().write, Writer::Lines(_))
+    }
+
+    /// Whether it takes the values of a wire.
+    pub fn takes_wire(self, wire: WireType) -> bool {
+        match wire {
+            WireType::Object(kind) => kind.has_features && self.holds_lines(),
+            raster => self.takes(raster.channels()),
+        }
     }
 
     /// Whether it takes values of some components: fields have one, vectors two, colours three.
@@ -278,7 +318,7 @@ mod tests {
         assert_eq!(names.len(), CODECS.len(), "two codecs share a name");
         for codec in CODECS {
             assert!(extensions.iter().all(|e| *e == e.to_ascii_lowercase()));
-            let written: Vec<_> = Format::ALL.into_iter().filter(|f| f.codec() == *codec).collect();
+            let written: Vec<_> = Format::ALL.into_iter().filter(|f| f.codec() == Some(*codec)).collect();
             let by_extension = written.iter().filter(|f| f.form().by_extension).count();
             assert_eq!(by_extension, usize::from(!written.is_empty()), "{}", codec.name);
             for magic in codec.magic {

@@ -27,6 +27,7 @@ mod height;
 mod hgt;
 mod info;
 mod input;
+mod lines;
 mod pam;
 mod pfm;
 mod picture;

@@ -1,6 +1,6 @@
 //! r16, r32 and raw: samples and nothing else. What they are, a person says, or a sidecar, or the extension.
 
-use super::codec::{Codec, Form};
+use super::codec::{Codec, Form, Writer};
 use super::error::{Fault, WriteError};
 use super::flat::{Flat, Number, height};
 use super::height::{HeightFile, Origin};
@@ -46,7 +46,7 @@ pub(super) static INTEGERS: Form = Form {
     sidecar: true,
     flips: true,
     voids: false,
-    write: write_integers,
+    write: Writer::Samples(write_integers),
     nanoseconds: 5.0,
     holds: "16-bit integers and nothing else, little-endian",
     purpose: "Unity, Unreal, World Machine …",
@@ -60,7 +60,7 @@ pub(super) static FLOATS: Form = Form {
     sidecar: true,
     flips: true,
     voids: true,
-    write: write_floats,
+    write: Writer::Samples(write_floats),
     nanoseconds: 5.0,
     holds: "32-bit floats and nothing else, little-endian",
     purpose: "Houdini, World Machine …",

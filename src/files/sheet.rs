@@ -5,7 +5,7 @@ use std::io::{Seek, Write};
 use rayon::prelude::*;
 
 use super::bands::{self, Band, Split};
-use super::codec::Format;
+use super::codec::{Format, Writer};
 use super::error::WriteError;
 use super::place::Placement;
 use super::quantize::Quantizer;
@@ -40,6 +40,10 @@ impl Sheet<'_> {
         if self.cols == 0 || self.rows == 0 {
             return Err(unfit(format, "no samples at all", "ask for a size of at least 1 x 1"));
         }
+        let Writer::Samples(write) = form.write else {
+            let instead = Format::which(|f| matches!(f.write, Writer::Samples(_)));
+            return Err(unfit(format, "samples on a grid", instead));
+        };
         if !format.takes(self.channels) {
             let what = format!("{} numbers a sample", self.channels);
             return Err(unfit(format, what, Format::which(|f| f.channels.contains(&self.channels))));
@@ -47,7 +51,7 @@ impl Sheet<'_> {
         if self.writing.flip && !form.flips {
             return Err(unfit(format, "rows from south to north", Format::which(|f| f.flips)));
         }
-        let mut written = (form.write)(self, out)?;
+        let mut written = write(self, out)?;
         if format.has_sidecar(self.channels) {
             let sidecar = self.sidecar(written.range);
             // A struct of numbers and names turns into JSON without fail.

@@ -7,6 +7,7 @@ use serde_json::Value as Json;
 use super::codec::Format;
 use super::error::WriteError;
 use super::height::HeightFile;
+use super::lines::Lines;
 use super::place::{Affine, Anchor, Placement, Units};
 use super::sheet::{Sheet, Sink, unfit};
 use super::sidecar::{Sidecar, Window};
@@ -98,12 +99,12 @@ pub struct Written {
 /// When the format cannot hold the value, its values lie outside the range, or the disk refuses.
 pub fn encode(job: &WriteJob<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
     let WriteJob { value, terrain, whole, .. } = *job;
-    let Some((grid, quantity)) = value.grid().zip(value.quantity()) else {
-        return Err(unfit(
-            job.writing.format,
-            value.wire_type().name(),
-            "fields, vectors and colours can be written",
-        ));
+    let (grid, quantity) = match value {
+        Value::Object(object) => return Lines { object, terrain, writing: job.writing }.write(out),
+        raster => (raster.grid(), raster.quantity()),
+    };
+    let Some((grid, quantity)) = grid.zip(quantity) else {
+        return Err(unfit(job.writing.format, value.wire_type().name(), "it has no samples"));
     };
     let bounds = grid.bounds();
     let [x, y] = bounds.min;

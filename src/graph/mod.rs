@@ -28,6 +28,7 @@ mod settings;
 mod validate;
 mod wires;
 mod write;
+mod written;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -48,6 +49,7 @@ pub use schema::schema;
 pub use set::Settings;
 pub use settings::terrain_params;
 pub use wires::Source;
+pub use written::Written;
 
 use crate::nodes::Registry;
 use crate::value::Terrain;

@@ -16,7 +16,7 @@ use super::set::Settings;
 use crate::files::{Format, Target};
 use crate::node::{self, AnyNode, Kind};
 use crate::params::{self, Param};
-use crate::value::Quantity;
+use crate::value::{Quantity, WireType};
 
 /// The kind of a node in a graph.
 #[derive(Clone, Debug)]
@@ -132,7 +132,8 @@ pub struct Output {
     #[schemars(length(max = 512))]
     #[serde(skip_serializing_if = "String::is_empty")]
     pub from: String,
-    /// File format; by default one that suits the values: `exr` for heights and fields, `png16` for masks, `png8` for colours.
+    /// File format; by default one that suits the values: `exr` for heights and fields, `png16` for masks, `png8` for colours,
+    /// `geojson` for lines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<Format>,
     /// The values that the lowest and the highest integer of the file stand for; by default those found on the base grid.
@@ -157,12 +158,15 @@ pub struct Output {
 }
 
 impl Output {
-    /// The format in which it is written: its own, or one that suits what its numbers mean.
-    pub fn format_for(&self, quantity: Quantity) -> Format {
-        self.format.unwrap_or(match (quantity, self.target) {
-            (Quantity::Elevation, Some(target)) => target.format(),
-            (Quantity::Color, _) => Format::Png8,
-            (Quantity::Mask, _) => Format::Png16,
+    /// The format in which a value of a type is written: what is asked for, where that holds what the value consists of,
+    /// lines or samples; else its own; else one that suits what its numbers mean.
+    pub fn format_for(&self, asked: Option<Format>, wire: WireType, quantity: Option<Quantity>) -> Format {
+        let suits = |f: &Format| f.holds_lines() != wire.is_raster();
+        asked.filter(suits).or(self.format).unwrap_or(match (quantity, self.target) {
+            _ if !wire.is_raster() => Format::Geojson,
+            (Some(Quantity::Elevation), Some(target)) => target.format(),
+            (Some(Quantity::Color), _) => Format::Png8,
+            (Some(Quantity::Mask), _) => Format::Png16,
             _ => Format::Exr,
         })
     }

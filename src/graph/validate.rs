@@ -211,12 +211,8 @@ impl Graph {
             match self.resolve(&output.from) {
                 Err(miss) => found.push(error(self.explain(&output.from, &miss, hints))),
                 Ok(source) => {
-                    let wire = self.wire_type(&source).filter(|wire| !wire.is_raster());
-                    let message = |wire: WireType| {
-                        let (from, wire) = (&output.from, wire.name());
-                        format!("`from` must be a field, vectors or colours, `{from}` is {wire}")
-                    };
-                    found.extend(wire.map(|wire| error(message(wire))));
+                    let wire = self.wire_type(&source);
+                    found.extend(wire.and_then(|wire| unfit(output, wire)).map(error));
                     if self.passed(source.clone()).is_none() {
                         found.push(error(self.nothing_passed(&source)));
                     }
@@ -280,4 +276,15 @@ fn parameter_problems(node: &GraphNode, kind: &Kind, hints: &Hints) -> Vec<Probl
 fn placed(faults: Vec<(Severity, String)>, place: &Place) -> Vec<Problem> {
     let problem = |(severity, message)| Problem { severity, ..Problem::error(place.clone(), message) };
     faults.into_iter().map(problem).collect()
+}
+
+/// What is wrong with writing a value of a type as an output says.
+fn unfit(output: &Output, wire: WireType) -> Option<String> {
+    let (from, name) = (&output.from, wire.name());
+    if !wire.is_output() {
+        return Some(format!("`from` must be a field, vectors, colours or lines, `{from}` is {name}"));
+    }
+    let format = output.format.filter(|f| f.holds_lines() == wire.is_raster())?;
+    let holds = if format.holds_lines() { "lines" } else { "samples on a grid" };
+    Some(format!("`format` {format} holds {holds}, `{from}` is {name}"))
 }

@@ -179,6 +179,7 @@ impl Object for Constraints {
         pin: Pin::Polygon { corners: 6, turn: 0.0 },
         sample_bytes: 45,
         load: None,
+        has_features: false,
     };
 
     fn bytes(&self) -> u64 {

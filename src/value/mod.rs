@@ -2,6 +2,7 @@
 
 mod constraints;
 pub mod curves;
+mod feature;
 mod fill;
 mod grid;
 mod object;
@@ -13,6 +14,7 @@ mod terrain;
 
 pub use constraints::{Constraints, Mark, Planes};
 pub use curves::{Curve, CurveSpec, Curves};
+pub use feature::{Feature, Features};
 pub use fill::{Row, fill};
 pub use grid::{Bounds, Grid, Lattice};
 pub use object::{
@@ -52,6 +54,14 @@ impl WireType {
     /// others.
     pub fn is_raster(self) -> bool {
         self.channels() > 0
+    }
+
+    /// Whether it may be an output of a graph: what files hold.
+    pub fn is_output(self) -> bool {
+        match self {
+            Self::Object(object) => object.has_features,
+            _ => true,
+        }
     }
 
     /// Numbers of a sample of a raster; 0 for what is none.

@@ -9,7 +9,7 @@ use std::fmt::{self, Debug};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use super::{Grid, Value};
+use super::{Features, Grid, Value};
 
 /// Reads an object from a file of the cache.
 pub type ObjectLoader = fn(&[u8]) -> Option<Value>;
@@ -28,6 +28,8 @@ pub struct ObjectType {
     /// Reads what [`Object::save`] wrote, and nothing that has a fault. None where a cache folder does not keep it, since
     /// reading would take longer than making.
     pub load: Option<ObjectLoader>,
+    /// Whether its values are lines, which [`Object::features`] gives and files of vectors hold.
+    pub has_features: bool,
 }
 
 /// The form of a pin, so that wires are told apart without their colours.
@@ -73,6 +75,11 @@ pub trait Object: Clone + Debug + PartialEq + Send + Sync + 'static {
     fn save(&self) -> Vec<u8> {
         Vec::new()
     }
+
+    /// Its lines for a file of vectors, where [`ObjectType::has_features`].
+    fn features(&self) -> Features<'_> {
+        Box::new(std::iter::empty())
+    }
 }
 
 /// What is drawn of an object.
@@ -114,6 +121,7 @@ trait Erased: Debug + Send + Sync {
     fn sketch(&self) -> Sketch;
     fn say(&self, at: [f64; 2]) -> Option<String>;
     fn save(&self) -> Vec<u8>;
+    fn features(&self) -> Features<'_>;
     fn same(&self, other: &dyn Any) -> bool;
     fn any(&self) -> &dyn Any;
 }
@@ -139,6 +147,9 @@ impl<T: Object> Erased for T {
     }
     fn save(&self) -> Vec<u8> {
         Object::save(self)
+    }
+    fn features(&self) -> Features<'_> {
+        Object::features(self)
     }
     fn same(&self, other: &dyn Any) -> bool {
         other.downcast_ref::<T>() == Some(self)
@@ -187,6 +198,11 @@ impl AnyObject {
     /// See [`Object::save`].
     pub fn save(&self) -> Vec<u8> {
         self.0.save()
+    }
+
+    /// See [`Object::features`].
+    pub fn features(&self) -> Features<'_> {
+        self.0.features()
     }
 }
 

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
+use serde_json::Value as Json;
 
 use super::curves::{MAX_COORDINATE, MAX_HEIGHT};
 use super::rivers::least_order;
-use super::{Object, ObjectType, Pin, Sketch, SketchPoint, Value};
+use super::{Feature, Features, Object, ObjectType, Pin, Sketch, SketchPoint, Value};
 
 /// Most vertices, and most edges, of ridges.
 pub const MAX_RIDGES: usize = 1 << 25;
@@ -146,6 +147,7 @@ impl Object for Ridges {
         pin: Pin::Polygon { corners: 3, turn: 0.0 },
         sample_bytes: 0,
         load: Some(load),
+        has_features: true,
     };
 
     fn bytes(&self) -> u64 {
@@ -192,6 +194,20 @@ impl Object for Ridges {
             bytes.push(edge.order);
         }
         bytes
+    }
+
+    /// A line for each edge, with its order and the river vertices whose land it parts.
+    fn features(&self) -> Features<'_> {
+        let point = |of: RidgeVertex| -> SketchPoint { (of.at, Some(of.height)) };
+        Box::new(self.edges().iter().map(move |edge| {
+            let properties =
+                [("order", Json::from(edge.order)), ("rivers", Json::from(edge.rivers.to_vec()))];
+            Feature {
+                line: self.ends(edge).map(point).to_vec(),
+                weight: edge.order.into(),
+                properties: properties.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
+            }
+        }))
     }
 }
 

@@ -20,6 +20,7 @@ mod graph;
 mod growth;
 mod kinds;
 mod laws;
+mod lines;
 mod memory;
 mod networks;
 mod objects;

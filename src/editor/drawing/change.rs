@@ -108,6 +108,14 @@ impl Drawing {
         match (sheet, part) {
             (Sheet::Trail(points), Part::Anchor(i) | Part::Height(i)) => self.shorten(pad, points, i),
             (Sheet::Curves(_), Part::Anchor(i)) => self.remove_anchor(pad, i),
+            // A line without one of its ends is none.
+            (Sheet::Lines(mut lines), Part::Anchor(_) | Part::Body) => {
+                let Some(number) = self.curve.filter(|i| *i < lines.len()) else { return };
+                lines.remove(number);
+                if self.write(pad, "Delete line", None, &Sheet::Lines(lines)) {
+                    (self.curve, self.anchor) = (None, None);
+                }
+            }
             (Sheet::Curves(_), Part::Point(k)) => self.remove_point(pad, k),
             (Sheet::Curves(mut specs), Part::Body) => {
                 let Some(number) = self.curve.filter(|i| *i < specs.len()) else { return };

@@ -86,6 +86,7 @@ impl Held<'_> {
     pub(crate) fn grips(&self, space: &dyn Space) -> Vec<Grip> {
         let mut all = Vec::new();
         match self.sheet {
+            Sheet::Lines(_) => self.ends(space, &mut all),
             Sheet::Trail(points) => self.trail(points, space, &mut all),
             Sheet::Curves(specs) => {
                 if let Some(spec) = specs.get(self.number) {
@@ -96,6 +97,13 @@ impl Held<'_> {
             Sheet::Strokes(_) => (),
         }
         all
+    }
+
+    /// The ends of a straight line.
+    fn ends(&self, space: &dyn Space, all: &mut Vec<Grip>) {
+        for (i, (at, name)) in self.sheet.places(self.number).into_iter().zip(["start", "end"]).enumerate() {
+            all.push(grip(Part::Anchor(i), [at[0], at[1], space.height(at)], name.to_owned()));
+        }
     }
 
     fn trail(&self, points: &[Vec<f64>], space: &dyn Space, all: &mut Vec<Grip>) {
@@ -205,6 +213,13 @@ impl Held<'_> {
                 pull_trail(&mut points, part, pull);
                 Sheet::Trail(points)
             }
+            Sheet::Lines(lines) => {
+                let mut lines = lines.clone();
+                if let Some(line) = lines.get_mut(self.number) {
+                    pull_line(line, part, pull);
+                }
+                Sheet::Lines(lines)
+            }
             Sheet::Curves(specs) => {
                 let mut specs = specs.clone();
                 if let Some(spec) = specs.get_mut(self.number) {
@@ -293,6 +308,22 @@ impl Held<'_> {
             point.u = share(self.curve.nearest(to).0.clamp(least, most));
             spec.set_points(&points);
         }
+    }
+}
+
+/// Moves an end of a line, or all of it.
+fn pull_line(line: &mut [f64; 4], part: Part, pull: &Pull) {
+    let (ends, _) = line.as_chunks_mut::<2>();
+    match part {
+        Part::Anchor(i) => {
+            if let Some(end) = ends.get_mut(i) {
+                *end = pull.to.map(|x| rounded(x, pull.step));
+            }
+        }
+        Part::Body => ends.iter_mut().for_each(|end| {
+            end.iter_mut().zip(pull.to).for_each(|(x, by)| *x = rounded(*x + by, pull.step));
+        }),
+        _ => (),
     }
 }
 

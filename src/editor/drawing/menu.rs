@@ -36,7 +36,8 @@ impl Drawing {
             let one = |ui: &mut Ui, text: &str| ui.button(text).clicked();
             // What is chosen here is what the next key means.
             self.touched = true;
-            if one(ui, "Draw a curve") {
+            let lines = matches!(self.sheet(), Some(Sheet::Lines(_)));
+            if one(ui, if lines { "Draw a line" } else { "Draw a curve" }) {
                 self.begin();
                 ui.close();
             }
@@ -45,6 +46,15 @@ impl Drawing {
             ui.separator();
             let name = self.sheet().map(|s| s.name(spot.curve)).unwrap_or_default();
             ui.weak(name);
+            if lines {
+                if one(ui, "Turn round") {
+                    self.turn_line(pad, spot.curve);
+                }
+                if one(ui, "Delete line") {
+                    self.remove_part(pad, Part::Body);
+                }
+                return;
+            }
             if one(ui, "Add control point here") {
                 self.add_anchor(pad, spot.u);
             }
@@ -70,6 +80,15 @@ impl Drawing {
                 self.remove_part(pad, Part::Body);
             }
         });
+    }
+
+    /// Swaps the ends of a straight line.
+    fn turn_line(&mut self, pad: &mut Pad<'_>, number: usize) {
+        let Some(Sheet::Lines(mut lines)) = self.sheet().cloned() else { return };
+        if let Some(line) = lines.get_mut(number) {
+            line.rotate_left(2);
+            self.write(pad, "Turn line round", None, &Sheet::Lines(lines));
+        }
     }
 
     fn forms(&mut self, ui: &mut Ui, pad: &mut Pad<'_>) {
@@ -108,6 +127,12 @@ impl Drawing {
     /// The menu of a part.
     pub(super) fn grip_menu(&mut self, ui: &mut Ui, pad: &mut Pad<'_>, part: Part) {
         self.touched = true;
+        if matches!(self.sheet(), Some(Sheet::Lines(_))) {
+            if ui.button("Delete line").clicked() {
+                self.remove_part(pad, Part::Body);
+            }
+            return;
+        }
         let trail = matches!(self.sheet(), Some(Sheet::Trail(_)));
         let removed = match part {
             Part::Height(i) if trail => Some(Part::Anchor(i)),

@@ -101,7 +101,7 @@ impl Drawing {
                 points.push(trail_point(points, p, space));
                 points.len()
             }
-            Sheet::Strokes(_) => return,
+            Sheet::Lines(_) | Sheet::Strokes(_) => return,
         };
         if self.write(pad, "Add control point", None, &sheet) {
             self.anchor = anchors.checked_sub(1);
@@ -112,7 +112,7 @@ impl Drawing {
         match self.sheet()? {
             Sheet::Curves(specs) => specs.get(self.curve?)?.anchors().last().copied(),
             Sheet::Trail(points) => points.last().and_then(|p| Some([*p.first()?, *p.get(1)?])),
-            Sheet::Strokes(_) => None,
+            Sheet::Lines(_) | Sheet::Strokes(_) => None,
         }
     }
 
@@ -135,6 +135,14 @@ impl Drawing {
             Sheet::Trail(old) => {
                 *old = points.iter().map(|p| trail_point(old, *p, space)).collect();
                 0
+            }
+            Sheet::Lines(lines) => {
+                lines.push([first[0], first[1], last[0], last[1]]);
+                if self.write(pad, "Draw line", None, &sheet) {
+                    let number = sheet.len().checked_sub(1);
+                    (self.curve, self.point, self.anchor) = (number, None, None);
+                }
+                return;
             }
             Sheet::Strokes(_) => return,
         };

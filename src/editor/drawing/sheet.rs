@@ -1,5 +1,5 @@
-//! What is drawn: the parameter of a node that holds curves, a line through points, or strokes of a brush. Which it is
-//! says the schema, by its widget, so that a new kind can be drawn by hand the moment it exists.
+//! What is drawn: the parameter of a node that holds curves, straight lines, a line through points, or strokes of a brush.
+//! Which it is says the schema, by its widget, so that a new kind can be drawn by hand the moment it exists.
 
 use serde_json::Value as Json;
 
@@ -15,6 +15,8 @@ use crate::widget::Widget;
 pub(crate) enum Sheet {
     /// Feature curves.
     Curves(Vec<CurveSpec>),
+    /// Straight lines: east and south of the start of each, then of its end.
+    Lines(Vec<[f64; 4]>),
     /// East, south and, where the kind has one, height of points that one curve goes through.
     Trail(Vec<Vec<f64>>),
     /// Strokes of a brush.
@@ -26,13 +28,22 @@ impl Sheet {
     pub(crate) fn of(graph: &Graph, id: NodeId) -> Option<(String, Self)> {
         let node = graph.get(id)?;
         let drawn = |p: &&crate::params::Param| {
-            matches!(p.widget, Some(Widget::Curves | Widget::CurveOnMap | Widget::Strokes))
+            matches!(
+                p.widget,
+                Some(Widget::Curves | Widget::CurveOnMap | Widget::Lines | Widget::Strokes)
+            )
         };
         let param = node.kind()?.params().iter().find(drawn)?;
         let value = node.set.get(&param.name).unwrap_or(&param.default).clone();
         let sheet = match param.widget {
             Some(Widget::Curves) => Self::Curves(serde_json::from_value(value).ok()?),
             Some(Widget::Strokes) => Self::Strokes(serde_json::from_value(value).ok()?),
+            // Of a kind that has lines of its own where none are set, none are there to be changed.
+            Some(Widget::Lines) => Self::Lines(if value.is_null() {
+                Vec::new()
+            } else {
+                serde_json::from_value(value).ok()?
+            }),
             _ => {
                 let points: Vec<Vec<f64>> = serde_json::from_value(value).ok()?;
                 // A file written by hand may say anything.
@@ -46,6 +57,7 @@ impl Sheet {
     pub(crate) fn json(&self) -> Json {
         let value = match self {
             Self::Curves(specs) => serde_json::to_value(specs),
+            Self::Lines(lines) => serde_json::to_value(lines),
             Self::Trail(points) => serde_json::to_value(points),
             Self::Strokes(strokes) => serde_json::to_value(strokes),
         };
@@ -58,6 +70,7 @@ impl Sheet {
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Curves(specs) => specs.len(),
+            Self::Lines(lines) => lines.len(),
             Self::Trail(points) => usize::from(!points.is_empty()),
             Self::Strokes(_) => 0,
         }
@@ -67,6 +80,7 @@ impl Sheet {
     pub(super) fn places(&self, i: usize) -> Vec<[f64; 2]> {
         match self {
             Self::Curves(specs) => specs.get(i).map(CurveSpec::anchors).unwrap_or_default(),
+            Self::Lines(lines) => lines.get(i).map(|[a, b, c, d]| vec![[*a, *b], [*c, *d]]).unwrap_or_default(),
             Self::Trail(points) => points.iter().filter_map(|p| Some([*p.first()?, *p.get(1)?])).collect(),
             Self::Strokes(_) => Vec::new(),
         }
@@ -83,6 +97,7 @@ impl Sheet {
     pub(crate) fn name(&self, i: usize) -> String {
         match self.spec(i).filter(|s| !s.name.is_empty()) {
             Some(spec) => spec.name.clone(),
+            None if matches!(self, Self::Lines(_)) => format!("line {}", i + 1),
             None => format!("curve {}", i + 1),
         }
     }
@@ -91,6 +106,11 @@ impl Sheet {
     pub(super) fn build(&self, i: usize) -> Option<Curve> {
         match self {
             Self::Curves(specs) => specs.get(i)?.build().ok(),
+            // A curve says something; what does not matter here.
+            Self::Lines(lines) => {
+                let line = lines.get(i)?.to_vec();
+                CurveSpec { line, noise: vec![0.0, 0.0, 0.0], ..CurveSpec::default() }.build().ok()
+            }
             Self::Trail(points) => trail(points),
             Self::Strokes(_) => None,
         }

@@ -172,7 +172,7 @@ fn parameter(ui: &mut Ui, panel: &mut Panel<'_>, ids: &[NodeId], param: &Param) 
         match param.widget {
             Some(Widget::Curves) => return curves::panel(ui, panel, id, param),
             Some(Widget::Strokes) => return strokes::panel(ui, panel, id, param),
-            Some(Widget::CurveOnMap) => curves::tool(ui, panel, id),
+            Some(Widget::CurveOnMap | Widget::Lines) => curves::tool(ui, panel, id),
             _ => (),
         }
     }

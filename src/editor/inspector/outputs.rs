@@ -26,7 +26,7 @@ pub(crate) fn outputs_panel(ui: &mut Ui, panel: &mut Panel<'_>, chosen: Option<N
 fn add(ui: &mut Ui, panel: &mut Panel<'_>, chosen: Option<NodeId>) {
     let port = |id: NodeId| {
         let node = panel.graph().get(id)?;
-        let port = node.kind()?.outputs.iter().find(|p| p.wire.is_raster())?;
+        let port = node.kind()?.outputs.iter().find(|p| p.wire.is_output())?;
         Some((node.name.clone(), format!("{}.{}", node.name, port.name)))
     };
     let source = chosen.and_then(port);
@@ -66,7 +66,10 @@ fn one(ui: &mut Ui, panel: &mut Panel<'_>, name: &str, own: &Output) {
         }
     });
     from(ui, panel, &mut next);
-    choose(ui, "format", &mut next.format, Format::ALL, Format::name, "by its values");
+    let wire = panel.graph().resolved(&own.from).and_then(|source| panel.graph().wire_type(&source));
+    let fits = |f: &Format| wire.is_none_or(|wire| f.takes_wire(wire));
+    let formats = Format::ALL.into_iter().filter(fits);
+    choose(ui, "format", &mut next.format, formats, Format::name, "by its values");
     choose(ui, "target", &mut next.target, Target::ALL, Target::name, "none");
     range(ui, &mut next);
     ui.horizontal(|ui| {
@@ -87,7 +90,7 @@ fn from(ui: &mut Ui, panel: &Panel<'_>, next: &mut Output) {
             for id in panel.graph().nodes() {
                 let node = panel.graph().node(id);
                 let ports = node.kind().into_iter().flat_map(|k| &k.outputs);
-                for port in ports.filter(|p| p.wire.is_raster()) {
+                for port in ports.filter(|p| p.wire.is_output()) {
                     let text = format!("{}.{}", node.name, port.name);
                     let label = text.clone();
                     ui.selectable_value(&mut next.from, text, label);

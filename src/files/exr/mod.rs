@@ -4,7 +4,7 @@ mod choose;
 mod read;
 mod write;
 
-use super::codec::{Codec, Form};
+use super::codec::{Codec, Form, Writer};
 
 pub(super) static CODEC: Codec = Codec {
     name: "OpenEXR",
@@ -30,7 +30,7 @@ pub(super) static FLOATS: Form = Form {
     sidecar: true,
     flips: true,
     voids: true,
-    write: write::floats,
+    write: Writer::Samples(write::floats),
     nanoseconds: 180.0,
     holds: "f32, ZIP; channel `Y`; colours as linear light",
     purpose: "heights, to the bit",

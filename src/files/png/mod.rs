@@ -6,7 +6,7 @@ mod colors;
 mod read;
 mod write;
 
-use super::codec::{Codec, Form};
+use super::codec::{Codec, Form, Writer};
 
 pub(super) static CODEC: Codec = Codec {
     name: "PNG",
@@ -30,7 +30,7 @@ pub(super) static EIGHT: Form = Form {
     sidecar: true,
     flips: true,
     voids: false,
-    write: write::eight,
+    write: Writer::Samples(write::eight),
     nanoseconds: 30.0,
     holds: "8 bits grey or colour",
     purpose: "pictures",
@@ -44,7 +44,7 @@ pub(super) static SIXTEEN: Form = Form {
     sidecar: true,
     flips: true,
     voids: false,
-    write: write::sixteen,
+    write: Writer::Samples(write::sixteen),
     nanoseconds: 70.0,
     holds: "16 bits grey or colour",
     purpose: "masks, engines",

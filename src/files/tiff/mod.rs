@@ -17,7 +17,7 @@ mod write;
 
 pub(super) use read::{mask_bytes, strike_mask};
 
-use super::codec::{Codec, Form};
+use super::codec::{Codec, Form, Writer};
 
 pub(super) static CODEC: Codec = Codec {
     name: "TIFF",
@@ -44,7 +44,7 @@ pub(super) static FLOATS: Form = Form {
     sidecar: false,
     flips: false,
     voids: true,
-    write: write::floats,
+    write: Writer::Samples(write::floats),
     nanoseconds: 100.0,
     holds: "GeoTIFF f32, deflate with predictor 3, pixel is point; colours too",
     purpose: "heights, to the bit, with their place",
@@ -58,7 +58,7 @@ pub(super) static INTEGERS: Form = Form {
     sidecar: true,
     flips: false,
     voids: true,
-    write: write::integers,
+    write: Writer::Samples(write::integers),
     nanoseconds: 70.0,
     holds: "GeoTIFF of 16 bits, deflate with predictor 2. With a range: unsigned, GDAL's scale and offset give metres \
             back. Without: signed whole metres",

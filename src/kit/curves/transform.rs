@@ -82,7 +82,7 @@ impl Transform {
         };
         check("scale", self.scale, 1e-6, 1e6)?;
         check("height_scale", self.height_scale, 0.0, 1e6)?;
-        check("rotate", self.rotate, -3600.0, 3600.0)?;
+        check("rotate", self.rotate, -36_000.0, 36_000.0)?;
         check("raise", self.raise, -1e6, 1e6)?;
         for (name, point) in [("pivot", self.pivot), ("shift", self.shift)] {
             point.iter().try_for_each(|&x| check(name, x, -1e9, 1e9))?;

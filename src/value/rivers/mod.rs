@@ -10,6 +10,7 @@
 //! fall); Strahler order and length to the outlet are derived and always right.
 
 mod build;
+mod features;
 mod object;
 mod tributaries;
 

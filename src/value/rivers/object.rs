@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{RiverVertex, Rivers};
-use crate::value::{Object, ObjectType, Pin, Sketch, SketchLine, SketchPoint, Value};
+use crate::value::{Features, Object, ObjectType, Pin, Sketch, SketchLine, SketchPoint, Value};
 
 /// Most points of a sketch. A network of more shows its larger rivers.
 const MAX_SKETCH: usize = 100_000;
@@ -19,6 +19,7 @@ impl Object for Rivers {
         pin: Pin::Polygon { corners: 3, turn: 0.5 },
         sample_bytes: 0,
         load: Some(load),
+        has_features: true,
     };
 
     fn bytes(&self) -> u64 {
@@ -45,6 +46,10 @@ impl Object for Rivers {
 
     fn save(&self) -> Vec<u8> {
         self.vertices().iter().flat_map(record).collect()
+    }
+
+    fn features(&self) -> Features<'_> {
+        Box::new(self.lines())
     }
 }
 
