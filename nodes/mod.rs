@@ -10,6 +10,8 @@ use crate::name::Name;
 use crate::node::Kind;
 use crate::params::did_you_mean;
 
+pub(crate) mod vector_file;
+
 macro_rules! registry {
     ($($(#[$doc:meta])* $family:ident $(with $shared:ident)? { $($file:ident : $kind:ident),* $(,)? })+) => {
         $($(#[$doc])* pub mod $family {
@@ -65,6 +67,7 @@ registry! {
         extract_rivers: ExtractRivers,
         fill_depressions: FillDepressions,
         flow_routing: FlowRouting,
+        import_rivers: ImportRivers,
         infill_rivers: InfillRivers,
         lakes: Lakes,
         river_profile: RiverProfile,

@@ -14,7 +14,10 @@ const PARSING_SECONDS: f64 = 0.2e-6;
 /// The file that a parameter `file` names, where it names one.
 pub fn request(file: &FilePath) -> Vec<FileRequest> {
     let named = !file.0.is_empty();
-    named.then(|| FileRequest { parameter: "file", name: file.0.clone(), optional: false }).into_iter().collect()
+    named
+        .then(|| FileRequest { parameter: "file", name: file.0.clone(), optional: false })
+        .into_iter()
+        .collect()
 }
 
 /// What reading takes.

@@ -1,15 +1,10 @@
 //! Curves from a file.
 
-use crate::files::vectors::geojson::{self, Place};
-use crate::files::vectors::svg::{self, Fit};
-use crate::files::vectors::{Imported, MAX_FILE, Mapping};
+use crate::files::vectors::svg::Fit;
+use crate::files::vectors::{Laying, Mapping};
 use crate::node::SourceFile;
+use crate::nodes::vector_file;
 use crate::prelude::*;
-use crate::source::reading;
-use crate::value::curves::CurveError;
-
-/// Seconds that a byte of text takes.
-const PARSING_SECONDS: f64 = 0.2e-6;
 
 /// Reads lines from an SVG picture or a GeoJSON file as feature curves.
 ///
@@ -92,63 +87,15 @@ impl Node for ImportCurves {
     }
 
     fn files(&self) -> Vec<FileRequest> {
-        let named = !self.file.0.is_empty();
-        named
-            .then(|| FileRequest { parameter: "file", name: self.file.0.clone(), optional: false })
-            .into_iter()
-            .collect()
+        vector_file::request(&self.file)
     }
 
     fn reading(&self, files: &[std::sync::Arc<SourceFile>]) -> Result<Cost> {
-        if files.is_empty() {
-            return Err(Error::no_file("file"));
-        }
-        let content = reading(files);
-        if let Some(long) = files.iter().find(|f| f.len() > MAX_FILE as u64) {
-            let (file, found) = (long.name().to_owned(), long.len());
-            let too_long = CurveError::TooMany { what: "bytes of the file", most: MAX_FILE as u64, found };
-            return Err(Error::File { parameter: "file", file, message: too_long.to_string() });
-        }
-        // The elements of a text and the curves of its numbers are some tens of times as large as the text, and so are the
-        // rules of its style sheets. `use` may make of a small picture as much as 65 536 lines take.
-        let picture = files.iter().any(|f| f.name().to_ascii_lowercase().ends_with(".svg"));
-        let more = if picture { 48 << 20 } else { 1 << 20 };
-        let bytes = content.bytes.saturating_mul(40).saturating_add(more);
-        Ok(content.and(Cost { bytes, seconds: content.bytes as f64 * PARSING_SECONDS }))
+        vector_file::cost(files)
     }
 
     fn run(&self, cx: &Context<'_>, _: Inputs) -> Result<Outputs> {
-        if self.file.0.is_empty() {
-            return Err(Error::no_file("file"));
-        }
-        let fault = |message: String| Error::File { parameter: "file", file: self.file.0.clone(), message };
-        let file = cx.file(&self.file).ok_or_else(|| fault("not found".into()))?;
-        let bytes = cx.stage(0.0, 0.2).read("file", file)?;
-        let Imported { curves, warnings } = self.read(&cx.stage(0.2, 1.0), &bytes)?.map_err(|e| match e {
-            CurveError::Cancelled => Error::Cancelled,
-            other => fault(other.to_string()),
-        })?;
-        warnings.into_iter().for_each(|warning| cx.warn(warning));
-        Ok(Outputs { curves })
-    }
-}
-
-impl ImportCurves {
-    fn read(&self, cx: &Context<'_>, bytes: &[u8]) -> Result<Result<Imported, CurveError>> {
-        let terrain = cx.terrain()?;
-        let go_on = |share: f32| {
-            cx.report(share);
-            !cx.work.is_cancelled()
-        };
-        let lower = self.file.0.to_ascii_lowercase();
-        if lower.ends_with(".svg") {
-            return Ok(svg::read(bytes, terrain.bounds(), self.fit, &self.mapping, &go_on));
-        }
-        if !(lower.ends_with(".geojson") || lower.ends_with(".json")) {
-            let message = "must end in .svg, .geojson or .json".into();
-            return Err(Error::File { parameter: "file", file: self.file.0.clone(), message });
-        }
-        let place = Place { smooth: self.smooth, spacing: self.spacing.0, ..Place::on(terrain) };
-        Ok(geojson::read(bytes, &place, &self.mapping, &go_on))
+        let laying = Laying { fit: self.fit, smooth: self.smooth, spacing: self.spacing.0 };
+        Ok(Outputs { curves: vector_file::read(cx, &self.file, laying, &self.mapping)?.curves })
     }
 }

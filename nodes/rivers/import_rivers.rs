@@ -1,14 +1,14 @@
 //! Rivers from a file.
 
 use crate::files::vectors::svg::Fit;
-use crate::files::vectors::{FileLine, Laying, Wanted};
+use crate::files::vectors::{FileLine, Laying, Property, Wanted};
 use crate::kit::curves::flatten::flatten;
 use crate::kit::flow::join::{Line, join};
 use crate::kit::flow::network as flow;
-use crate::kit::rivers::written;
 use crate::nodes::vector_file;
 use crate::prelude::*;
 use crate::value::curves::{ConstraintPoint, Noise, Rise};
+use crate::value::rivers::written::{self, WrittenRiver};
 use crate::value::rivers::{MAX_VERTICES, RiverVertex};
 use crate::value::{Curve, RiverFault};
 
@@ -184,9 +184,9 @@ fn corners(line: &FileLine, most: usize) -> Result<Vec<[f64; 3]>, String> {
 }
 
 /// A line as a build wrote it: positions, heights and the properties of the file.
-fn as_written(line: &FileLine) -> written::Line<'_> {
-    let list = |name: &str| line.properties.get(name).map(crate::files::vectors::Property::numbers).unwrap_or_default();
-    written::Line {
+fn as_written(line: &FileLine) -> WrittenRiver<'_> {
+    let list = |name: &str| line.properties.get(name).map(Property::numbers).unwrap_or_default();
+    WrittenRiver {
         at: line.knots.iter().step_by(3).copied().collect(),
         heights: line.heights.iter().map(|&(_, height)| height).collect(),
         numbers: list(written::VERTEX),

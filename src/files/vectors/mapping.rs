@@ -77,6 +77,16 @@ pub enum Property {
     List(Vec<f64>),
 }
 
+impl Property {
+    /// Its numbers.
+    pub fn numbers(&self) -> &[f64] {
+        match self {
+            Self::Number(number) => std::slice::from_ref(number),
+            Self::List(list) => list,
+        }
+    }
+}
+
 /// A line of a file.
 pub(super) struct Line<'a> {
     pub(super) name: String,
@@ -209,7 +219,7 @@ fn value(values: &Option<Values>, u: f64, default: f64) -> f64 {
 }
 
 /// Linear between, held beyond the ends; there is at least one.
-fn at(values: &Values, u: f64) -> f64 {
+pub(super) fn at(values: &[(f64, f64)], u: f64) -> f64 {
     let i = values.partition_point(|p| p.0 <= u);
     match (i.checked_sub(1).map(|k| values[k]), values.get(i)) {
         (Some((u0, a)), Some(&(u1, b))) => a + (b - a) * ((u - u0) / (u1 - u0)),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::mapping::{Line, Mapping, Property};
+use super::mapping::{self, Line, Mapping, Property};
 use crate::value::curves::bezier::Point;
 
 /// What is made of the lines of a file.
@@ -44,6 +44,11 @@ impl Wanted<'_> {
 }
 
 impl FileLine {
+    /// The height at a share of the length, from place to place; 0 where the file has none.
+    pub fn height(&self, u: f64) -> f64 {
+        mapping::at(&self.heights, u)
+    }
+
     /// A line with its properties out of some names; one that is no number is none.
     pub(super) fn of(line: Line<'_>, names: &[&str]) -> Self {
         let value = |name: &&str| Some(((*name).to_owned(), (line.property)(name).ok().flatten()?));

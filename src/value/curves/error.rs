@@ -43,6 +43,9 @@ pub enum CurveError {
         /// What is wrong with it.
         message: String,
     },
+    /// The name of a file says that it is none of lines.
+    #[error("must end in .svg, .geojson or .json")]
+    Name,
     /// A parameter makes no sense.
     #[error("`{name}` {message}")]
     Parameter {

@@ -10,9 +10,9 @@
 //! fall); Strahler order and length to the outlet are derived and always right.
 
 mod build;
-mod features;
 mod object;
 mod tributaries;
+pub mod written;
 
 use std::sync::Arc;
 
