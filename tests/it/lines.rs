@@ -3,9 +3,15 @@
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+use orograph::engine::{Engine, Files, Options, Unobserved, Want};
 use orograph::files::vectors::{Imported, Mapping, geojson, svg};
 use orograph::files::{Format, WriteError, WriteJob, encode};
-use orograph::value::{Curves, Field, Geo, Grid, Quantity, Terrain, Value};
+use orograph::graph::Graph;
+use orograph::node::Cancel;
+use orograph::nodes::Registry;
+use orograph::value::rivers::RiverVertex;
+use orograph::value::rivers::written::{WrittenRiver, network};
+use orograph::value::{Curves, Field, Geo, Grid, Quantity, Rivers, Terrain, Value};
 use serde_json::{Value as Json, json};
 
 use super::cli::{code, run, said, text};
@@ -126,6 +132,118 @@ fn formats_hold_lines_or_samples() {
     let none: Value = Curves::default().into();
     let empty = written(&none, Format::Geojson, &terrain).unwrap();
     assert_eq!(serde_json::from_slice::<Json>(&empty).unwrap()["features"], json!([]));
+}
+
+/// Two rivers, one of them with a tributary, at places that binary fractions miss.
+fn rivers() -> Rivers {
+    let vertex = |x: f64, y: f64, down: Option<u32>, area: f32| RiverVertex {
+        at: [x, y],
+        height: y / 7.0,
+        down,
+        area,
+        width: area.sqrt() / 3.0,
+        ..RiverVertex::default()
+    };
+    Rivers::new(vec![
+        vertex(100.1, 130.0, None, 900.3),
+        vertex(200.2, 150.0, Some(0), 700.7),
+        vertex(300.3, 170.0, Some(1), 400.1),
+        vertex(250.0, 290.0, Some(1), 100.9),
+        vertex(900.0, 900.9, None, 50.0),
+        vertex(910.0, 950.9, Some(4), 20.0),
+    ])
+    .unwrap()
+}
+
+/// A graph that reads a file of rivers, and the network that it reads.
+fn imported(folder: &Path, file: &str, set: &Json) -> (Rivers, Vec<String>) {
+    let mut all = json!({ "file": folder.join(file) });
+    all.as_object_mut().unwrap().extend(set.as_object().unwrap().clone());
+    let graph = json!({
+        "orograph": 1, "terrain": { "origin": [-250, 125], "width": 2000, "depth": 1500, "base": 65 },
+        "nodes": { "rivers": { "kind": "import_rivers", "set": all } },
+    });
+    let graph = Graph::from_bytes(graph.to_string().as_bytes(), &Registry::standard()).unwrap();
+    let mut files = Files::default();
+    files.allow_folder(folder).unwrap();
+    let engine = Engine::new(&Options::default(), files).unwrap();
+    let want = Want {
+        node: graph.find("rivers").unwrap(),
+        port: "rivers".into(),
+        grid: graph.terrain().base_grid(),
+    };
+    let done = engine.evaluate(&graph, &[want], &Unobserved, &Cancel::default()).unwrap();
+    let value = done.values[0].as_ref().unwrap();
+    let notices = done.notices.iter().map(ToString::to_string).collect();
+    (value.object::<Rivers>().unwrap().clone(), notices)
+}
+
+#[test]
+fn rivers_come_back_as_they_were() {
+    let folder = tempfile::tempdir().unwrap();
+    let terrain = terrain(false);
+    for format in [Format::Geojson, Format::Svg] {
+        let file = format!("rivers.{}", format.extension());
+        std::fs::write(folder.path().join(&file), written(&rivers().into(), format, &terrain).unwrap())
+            .unwrap();
+        let (back, notices) = imported(folder.path(), &file, &json!({}));
+        assert_eq!(notices, Vec::<String>::new());
+        let level = |rivers: &Rivers| -> Vec<_> {
+            rivers.vertices().iter().map(|v| RiverVertex { height: 0.0, ..*v }).collect()
+        };
+        match format {
+            Format::Geojson => assert_eq!(back, rivers()),
+            // The page is laid in the middle of the terrain, which rounds places.
+            _ => {
+                let pairs = level(&back).into_iter().zip(level(&rivers()));
+                for (a, b) in pairs {
+                    assert!((a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]) < 1e-6);
+                    assert_eq!((a.down, a.area, a.width, a.order), (b.down, b.area, b.width, b.order));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn lines_without_any_property_are_rivers_that_join() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = |points: Json, properties: Json| json!({ "type": "Feature", "properties": properties, "geometry": { "type": "LineString", "coordinates": points } });
+    // East and north of the corner at -250, 125; a text where a number would be is no fault.
+    let file = json!({ "type": "FeatureCollection", "features": [
+        line(json!([[500, -100, 90], [500, -600, 40], [500, -1100, 10]]), json!({ "width": "wide" })),
+        line(json!([[900, -300, 80], [510, -600, 60]]), json!({})),
+        line(json!([[1500, -100], [1500, -700]]), json!({})),
+    ]});
+    std::fs::write(folder.path().join("a.geojson"), file.to_string()).unwrap();
+    let (rivers, _) = imported(folder.path(), "a.geojson", &json!({ "snap": 20, "catchment": 100 }));
+    assert_eq!(rivers.outlets().count(), 2, "{rivers:?}");
+    let mouth = rivers.vertices().iter().find(|v| v.at == [250.0, 1225.0]).expect("the mouth of the first");
+    assert_eq!((mouth.down, mouth.order, mouth.height), (None, 2, 10.0));
+    let long = 1000.0 + 390f64.hypot(300.0) + 10.0;
+    assert!((f64::from(mouth.area) - 100.0 * long).abs() < 1e-3 * 100.0 * long, "{}", mouth.area);
+    let (apart, _) = imported(folder.path(), "a.geojson", &json!({ "snap": 5 }));
+    assert_eq!(apart.outlets().count(), 3);
+    let (turned, _) = imported(folder.path(), "a.geojson", &json!({ "direction": "upstream", "snap": 20 }));
+    assert!(turned.outlets().any(|i| turned.vertices()[i].at == [250.0, 225.0]), "{turned:?}");
+}
+
+#[test]
+fn a_changed_file_of_rivers_is_read_as_lines() {
+    let river = |numbers: &'static [f64]| WrittenRiver {
+        at: vec![[0.0, 0.0], [1.0, 1.0]],
+        numbers,
+        areas: &[1.0, 2.0],
+        widths: &[1.0, 2.0],
+        ..WrittenRiver::default()
+    };
+    assert!(network([river(&[1.0, 0.0])]).is_some());
+    for numbers in
+        [&[0.0, 1.0][..], &[2.0, 0.0], &[1.0], &[1.5, 0.0], &[-1.0, 0.0], &[1e18, 0.0], &[f64::NAN, 0.0]]
+    {
+        assert!(network([river(numbers)]).is_none(), "{numbers:?}");
+    }
+    assert!(network([]).is_none());
 }
 
 struct Desk(tempfile::TempDir);
