@@ -157,7 +157,7 @@ fn rivers() -> Rivers {
 
 /// A graph that reads a file of rivers, and the network that it reads.
 fn imported(folder: &Path, file: &str, set: &Json) -> (Rivers, Vec<String>) {
-    let mut all = json!({ "file": folder.join(file) });
+    let mut all = json!({ "file": file });
     all.as_object_mut().unwrap().extend(set.as_object().unwrap().clone());
     let graph = json!({
         "orograph": 1, "terrain": { "origin": [-250, 125], "width": 2000, "depth": 1500, "base": 65 },
