@@ -20,6 +20,7 @@ mod growth;
 mod kinds;
 mod laws;
 mod memory;
+mod networks;
 mod objects;
 mod pages;
 mod plans;
