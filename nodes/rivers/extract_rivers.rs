@@ -26,7 +26,7 @@ pub struct ExtractRivers {
     #[schemars(range(min = 1.0, max = 1e12), extend("x-soft" = [1e4, 1e7], "x-log" = true))]
     pub threshold: SquareMetres,
     /// Width of a river that drains a square kilometre.
-    #[schemars(range(min = 0.0, max = 1000.0), extend("x-soft" = [0.0, 50.0]))]
+    #[schemars(range(min = 0.0, max = 1000.0), extend("x-soft" = [0.5, 20.0]))]
     pub width: Metres,
     /// How far along the river its line is smoothed; none for two cells of the base grid.
     #[schemars(range(min = 0.0, max = 10_000.0), extend("x-soft" = [0.0, 200.0]))]
@@ -35,7 +35,7 @@ pub struct ExtractRivers {
 
 impl Default for ExtractRivers {
     fn default() -> Self {
-        Self { threshold: SquareMetres(500_000.0), width: Metres(4.0), smoothing: None }
+        Self { threshold: SquareMetres(500_000.0), width: Metres(2.5), smoothing: None }
     }
 }
 

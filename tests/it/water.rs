@@ -158,7 +158,7 @@ fn extracted_rivers_stand_where_enough_land_drains() {
         let masked = mask.row(row)[col] == 1.0;
         assert!(masked || vertex.down.is_none(), "only mouths may lie in the sea");
         on_land += usize::from(masked);
-        let wanted = 4.0 * (f64::from(vertex.area) * 1e-6).sqrt();
+        let wanted = 2.5 * (f64::from(vertex.area) * 1e-6).sqrt();
         assert!((f64::from(vertex.width) - wanted).abs() < 1e-3);
     }
     assert!(on_land.abs_diff(mask.data().iter().filter(|&&m| m == 1.0).count()) < 5);

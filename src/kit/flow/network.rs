@@ -2,6 +2,7 @@
 
 use super::streams::Reach;
 use super::surface::Surface;
+use crate::kit::rivers::drainage::width;
 use crate::value::{Grid, RiverVertex};
 use crate::work::{Cancelled, Work};
 
@@ -14,12 +15,6 @@ pub struct Style {
     pub width: f64,
     /// Whether beds fall all the way: ways over a pass climb, and are lowered to what lies above them.
     pub falls: bool,
-}
-
-/// Width of a river by the area that it drains, in metres and square metres, from that at a square kilometre: the
-/// hydraulic geometry `w ~ √Q` \[leopold1953\].
-pub fn width(at_square_kilometre: f64, area: f64) -> f64 {
-    at_square_kilometre * (area * 1e-6).max(0.0).sqrt()
 }
 
 /// A vertex for each reach: where its cell stands, at the height of its ground or of the sea. `area` gives the area in
@@ -44,7 +39,7 @@ pub fn vertices(
             height: f64::from(surface.at(cell).max(surface.sea())),
             down: reach.down,
             area: area as f32,
-            width: width(style.width, area) as f32,
+            width: width(area, style.width) as f32,
             ..RiverVertex::default()
         }
     };
@@ -68,19 +63,6 @@ pub fn lower(vertices: &mut [RiverVertex]) {
             *lower = lower.min(height);
         }
     }
-}
-
-/// Gives vertices, which stand downstream first, the area of a strip of land of a width in metres along all river above.
-pub fn drain_strips(vertices: &mut [RiverVertex], width: f64) {
-    let mut areas = vec![0.0; vertices.len()];
-    for upper in (0..vertices.len()).rev() {
-        let vertex = vertices[upper];
-        if let Some(down) = vertex.down.map(|down| down as usize) {
-            let [x, y] = [0, 1].map(|k| vertex.at[k] - vertices[down].at[k]);
-            areas[down] += areas[upper] + width * libm::hypot(x, y);
-        }
-    }
-    vertices.iter_mut().zip(areas).for_each(|(vertex, area)| vertex.area = area as f32);
 }
 
 /// Moves vertices towards their neighbours along the river, but for sources, mouths and confluences.
