@@ -5,7 +5,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use orograph::kit::hash;
 use orograph::kit::land::carve::Carving;
-use orograph::kit::land::{Bits, Enrichment, Feature, Line, Link, Skeleton, enrich};
+use orograph::kit::land::{Bits, Enrichment, Feature, Line, Skeleton, WideLine, enrich};
 use orograph::kit::poisson::{Blend, Gradients};
 use orograph::value::{Field, Grid, Quantity, Terrain};
 use orograph::work::Work;
@@ -111,11 +111,11 @@ fn blend_a_disc_of_mixed_gradients(bencher: Bencher<'_, '_>, size: usize) {
 #[divan::bench(args = [2048, 4096], sample_count = 10)]
 fn carve(bencher: Bencher<'_, '_>, size: usize) {
     let grid = grid(size);
-    let link = |line: Line| Link { line, width: 12.0, order: 1 };
-    let links: Vec<Link> = lines(12_267, grid.bounds().width(), 1).into_iter().map(link).collect();
+    let link = |line: Line| WideLine { line, width: 12.0, order: 1 };
+    let wide: Vec<WideLine> = lines(12_267, grid.bounds().width(), 1).into_iter().map(link).collect();
     let land = Field::new(grid, Quantity::Elevation, ground(&grid, 3));
     let carving = Carving { cell: 8.0, rise: 0.5, reach: 80.0 };
     bencher
         .counter(ItemsCount::new(grid.len()))
-        .bench_local(|| carving.carve(&Work::default(), &land, &grid, &links));
+        .bench_local(|| carving.carve(&Work::default(), &land, &grid, &wide));
 }

@@ -1,7 +1,7 @@
 //! The beds of rivers, cut into land of any size.
 
 use super::skeleton_raster::river;
-use crate::kit::land::Link;
+use crate::kit::land::WideLine;
 use crate::kit::land::carve::Carving;
 use crate::prelude::*;
 use crate::value::Rivers;
@@ -78,18 +78,18 @@ impl Node for CarveRivers {
     fn cost(&self, load: &Load<'_>) -> Cost {
         let grid = &load.grid;
         let rivers = load.object::<Rivers>("rivers").unwrap_or_default();
-        let links = self.links(&rivers);
-        let own = size_of_val(links.as_slice()) as u64;
-        let bytes = self.carving(grid, load.terrain.base_cell()).bytes(grid, &links) + own;
+        let lines = self.lines(&rivers);
+        let own = size_of_val(lines.as_slice()) as u64;
+        let bytes = self.carving(grid, load.terrain.base_cell()).bytes(grid, &lines) + own;
         // Links look at the samples around them: so many cells wide at the least.
-        let looks = links.len() as f64 * (self.banks.0 / grid.cell() + 2.0) * 20.0;
+        let looks = lines.len() as f64 * (self.banks.0 / grid.cell() + 2.0) * 20.0;
         let most = 40.0 * grid.len() as f64;
         Cost { bytes, seconds: grid.len() as f64 * 12e-9 + looks.min(most) * 6e-9 }
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { height, rivers }: Inputs) -> Result<Outputs> {
-        let links = self.links(&rivers);
-        let carved = self.carving(&cx.grid, cx.base_cell()?).carve(&cx.work, &height, &cx.grid, &links)?;
+        let lines = self.lines(&rivers);
+        let carved = self.carving(&cx.grid, cx.base_cell()?).carve(&cx.work, &height, &cx.grid, &lines)?;
         Ok(Outputs { height: carved.height, bed: carved.bed })
     }
 }
@@ -100,13 +100,13 @@ impl CarveRivers {
         Carving { cell: grid.cell().max(base_cell), rise: libm::tan(radians), reach: self.banks.0 }
     }
 
-    fn links(&self, rivers: &Rivers) -> Vec<Link> {
+    fn lines(&self, rivers: &Rivers) -> Vec<WideLine> {
         let large = rivers
-            .links()
+            .lines()
             .filter(|(upper, _)| u32::from(rivers.vertices()[*upper].order) >= self.least_order);
         let link = |(upper, lower): (usize, usize)| {
             let of = rivers.vertices()[upper];
-            Link {
+            WideLine {
                 line: river(rivers, (upper, lower)),
                 width: f64::from(of.width) * self.width.0,
                 order: of.order,

@@ -2,7 +2,7 @@
 
 use super::draw_rivers::{by_order, cost};
 use crate::kit::land::draw::Drawing;
-use crate::kit::land::{Line, Link};
+use crate::kit::land::{Line, WideLine};
 use crate::kit::ramp::Palette;
 use crate::prelude::*;
 use crate::value::Ridges;
@@ -62,25 +62,25 @@ impl Node for DrawRidges {
 
     fn cost(&self, load: &Load<'_>) -> Cost {
         let ridges = load.object::<Ridges>("ridges").unwrap_or_default();
-        cost(&load.grid, &self.links(&ridges, load.terrain.base_cell()))
+        cost(&load.grid, &self.lines(&ridges, load.terrain.base_cell()))
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { ridges, under }: Inputs) -> Result<Outputs> {
-        let links = self.links(&ridges, cx.base_cell()?);
+        let lines = self.lines(&ridges, cx.base_cell()?);
         let highest = ridges.edges().iter().map(|edge| edge.order).max().unwrap_or(1);
         let drawn =
-            Drawing { palette: by_order(&self.palette, highest), under }.draw(&cx.work, &cx.grid, links)?;
+            Drawing { palette: by_order(&self.palette, highest), under }.draw(&cx.work, &cx.grid, lines)?;
         Ok(Outputs { mask: drawn.mask, colors: drawn.colors })
     }
 }
 
 impl DrawRidges {
-    fn links(&self, ridges: &Ridges, base_cell: f64) -> Vec<Link> {
+    fn lines(&self, ridges: &Ridges, base_cell: f64) -> Vec<WideLine> {
         let width = self.width.map_or(base_cell, |m| m.0);
         let large = ridges.edges().iter().filter(|edge| u32::from(edge.order) >= self.least_order);
         let link = |edge| {
             let [a, b] = ridges.ends(edge);
-            Link {
+            WideLine {
                 line: Line { ends: [a.at, b.at], heights: [a.height, b.height] },
                 width,
                 order: edge.order,

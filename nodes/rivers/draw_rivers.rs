@@ -1,7 +1,7 @@
 //! Rivers as a picture.
 
 use super::skeleton_raster::river;
-use crate::kit::land::Link;
+use crate::kit::land::WideLine;
 use crate::kit::land::draw::Drawing;
 use crate::kit::ramp::{Blend, Palette, Ramp};
 use crate::prelude::*;
@@ -66,28 +66,28 @@ impl Node for DrawRivers {
 
     fn cost(&self, load: &Load<'_>) -> Cost {
         let rivers = load.object::<Rivers>("rivers").unwrap_or_default();
-        cost(&load.grid, &self.links(&rivers, load.terrain.base_cell()))
+        cost(&load.grid, &self.lines(&rivers, load.terrain.base_cell()))
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { rivers, under }: Inputs) -> Result<Outputs> {
-        let links = self.links(&rivers, cx.base_cell()?);
+        let lines = self.lines(&rivers, cx.base_cell()?);
         let highest = rivers.vertices().iter().map(|vertex| vertex.order).max().unwrap_or(1);
         let drawn =
-            Drawing { palette: by_order(&self.palette, highest), under }.draw(&cx.work, &cx.grid, links)?;
+            Drawing { palette: by_order(&self.palette, highest), under }.draw(&cx.work, &cx.grid, lines)?;
         Ok(Outputs { mask: drawn.mask, colors: drawn.colors })
     }
 }
 
 impl DrawRivers {
-    fn links(&self, rivers: &Rivers, base_cell: f64) -> Vec<Link> {
+    fn lines(&self, rivers: &Rivers, base_cell: f64) -> Vec<WideLine> {
         let least = self.least_width.map_or(base_cell, |m| m.0);
         let large = rivers
-            .links()
+            .lines()
             .filter(|(upper, _)| u32::from(rivers.vertices()[*upper].order) >= self.least_order);
         let link = |(upper, lower): (usize, usize)| {
             let of = rivers.vertices()[upper];
             let width = (f64::from(of.width) * self.width.0).max(least);
-            Link { line: river(rivers, (upper, lower)), width, order: of.order }
+            WideLine { line: river(rivers, (upper, lower)), width, order: of.order }
         };
         large.map(link).collect()
     }
@@ -101,9 +101,9 @@ pub(super) fn by_order(palette: &Palette, highest: u8) -> Vec<[f32; 3]> {
 }
 
 /// What drawing lines takes.
-pub(super) fn cost(grid: &Grid, links: &[Link]) -> Cost {
+pub(super) fn cost(grid: &Grid, lines: &[WideLine]) -> Cost {
     // The lines, a copy of them, and the picture under them.
     let picture = 12 * grid.len() as u64;
-    let bytes = Drawing::bytes(grid, links) + size_of_val(links) as u64 + picture;
-    Cost { bytes, seconds: grid.len() as f64 * 25e-9 + links.len() as f64 * 2e-6 }
+    let bytes = Drawing::bytes(grid, lines) + size_of_val(lines) as u64 + picture;
+    Cost { bytes, seconds: grid.len() as f64 * 25e-9 + lines.len() as f64 * 2e-6 }
 }

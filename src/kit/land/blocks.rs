@@ -1,24 +1,24 @@
-//! Links by the blocks of a grid that they come near, so that a sample looks at few of many.
+//! Lines by the blocks of a grid that they come near, so that a sample looks at few of many.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::line::Link;
+use super::line::WideLine;
 use crate::value::Grid;
 use crate::work::{Cancelled, Work};
 
 /// Samples along a side of a block.
 const SIDE: usize = 64;
 
-/// The numbers of the links that come near each block of a grid, in rising order.
+/// The numbers of the lines that come near each block of a grid, in rising order.
 pub(super) struct Blocks<'a> {
     grid: Grid,
-    links: &'a [Link],
+    lines: &'a [WideLine],
     /// Blocks in a row of them.
     across: usize,
-    /// Where the links of each block start, and where the last end.
+    /// Where the lines of each block start, and where the last end.
     starts: Vec<usize>,
     numbers: Vec<u32>,
 }
@@ -30,24 +30,24 @@ pub(super) struct Part {
 }
 
 impl<'a> Blocks<'a> {
-    /// Sorts links that each reach some metres around their line. Lines with a number that is not finite are left out.
+    /// Sorts lines that each reach some metres around their line. Lines with a number that is not finite are left out.
     ///
     /// # Errors
     /// [`Cancelled`] when the work was asked to stop.
     pub(super) fn new(
         work: &Work<'_>,
         grid: Grid,
-        links: &'a [Link],
-        reach: impl Fn(&Link) -> f64,
+        lines: &'a [WideLine],
+        reach: impl Fn(&WideLine) -> f64,
     ) -> Result<Self, Cancelled> {
         let (across, down) = (grid.cols.div_ceil(SIDE), grid.rows.div_ceil(SIDE));
         let mut starts = vec![0; across * down + 1];
         let each = |f: &mut dyn FnMut(u32, usize)| {
-            for (number, link) in links.iter().enumerate() {
+            for (number, wide) in lines.iter().enumerate() {
                 if number % (1 << 16) == 0 {
                     work.check()?;
                 }
-                let Some(part) = near(&grid, link, reach(link)) else { continue };
+                let Some(part) = near(&grid, wide, reach(wide)) else { continue };
                 for row in part.rows.start / SIDE..part.rows.end.div_ceil(SIDE) {
                     for col in part.cols.start / SIDE..part.cols.end.div_ceil(SIDE) {
                         f(number as u32, row * across + col);
@@ -66,19 +66,19 @@ impl<'a> Blocks<'a> {
             numbers[next[block]] = number;
             next[block] += 1;
         })?;
-        Ok(Self { grid, links, across, starts, numbers })
+        Ok(Self { grid, lines, across, starts, numbers })
     }
 
-    /// Bytes that the sorted links take at most, for links that reach so many metres.
-    pub(super) fn bytes(grid: &Grid, links: &[Link], reach: impl Fn(&Link) -> f64) -> u64 {
+    /// Bytes that the sorted lines take at most, for lines that reach so many metres.
+    pub(super) fn bytes(grid: &Grid, lines: &[WideLine], reach: impl Fn(&WideLine) -> f64) -> u64 {
         let blocks = |r: &Range<usize>| (r.end.div_ceil(SIDE) - r.start / SIDE) as u64;
-        let parts = links.iter().filter_map(|link| near(grid, link, reach(link)));
+        let parts = lines.iter().filter_map(|wide| near(grid, wide, reach(wide)));
         let entries: u64 = parts.map(|part| blocks(&part.cols) * blocks(&part.rows)).sum();
         let all = grid.cols.div_ceil(SIDE) * grid.rows.div_ceil(SIDE);
         4 * entries + 16 * (all as u64 + 1)
     }
 
-    /// Fills samples block by block, rows of blocks in parallel; `f` is given the part that a block is, its links in order,
+    /// Fills samples block by block, rows of blocks in parallel; `f` is given the part that a block is, its lines in order,
     /// and the rows of the block with those left and right of it.
     ///
     /// # Errors
@@ -87,7 +87,7 @@ impl<'a> Blocks<'a> {
         &self,
         work: &Work<'_>,
         data: &mut [T],
-        f: impl Fn(&Part, &mut dyn Iterator<Item = &'a Link>, &mut [T]) + Sync,
+        f: impl Fn(&Part, &mut dyn Iterator<Item = &'a WideLine>, &mut [T]) + Sync,
     ) -> Result<(), Cancelled> {
         let (cols, rows) = (self.grid.cols, self.grid.rows);
         let (count, done) = (self.starts.len() - 1, AtomicUsize::new(0));
@@ -100,7 +100,7 @@ impl<'a> Blocks<'a> {
                     rows: down * SIDE..((down + 1) * SIDE).min(rows),
                 };
                 let numbers = &self.numbers[self.starts[block]..self.starts[block + 1]];
-                f(&part, &mut numbers.iter().map(|&n| &self.links[n as usize]), band);
+                f(&part, &mut numbers.iter().map(|&n| &self.lines[n as usize]), band);
             }
             let finished = done.fetch_add(self.across, Ordering::Relaxed) + self.across;
             work.report(finished as f32 / count.max(1) as f32);
@@ -109,12 +109,12 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// The samples of a grid in the rectangle around a link, grown by some metres; none where it lies outside.
-pub(super) fn near(grid: &Grid, link: &Link, reach: f64) -> Option<Part> {
-    if !link.line.is_finite() {
+/// The samples of a grid in the rectangle around a line, grown by some metres; none where it lies outside.
+pub(super) fn near(grid: &Grid, wide: &WideLine, reach: f64) -> Option<Part> {
+    if !wide.line.is_finite() {
         return None;
     }
-    let [a, b] = link.line.ends;
+    let [a, b] = wide.line.ends;
     let low = grid.lattice.steps(a[0].min(b[0]) - reach, a[1].min(b[1]) - reach);
     let high = grid.lattice.steps(a[0].max(b[0]) + reach, a[1].max(b[1]) + reach);
     let range = |axis: usize, first: i64, count: usize| {
@@ -135,27 +135,27 @@ impl Part {
     }
 }
 
-/// A link as samples see it: one at a time, from the lower end.
+/// A line as samples see it: one at a time, from the lower end.
 pub(super) struct Course {
     from: [f64; 2],
     direction: [f64; 2],
     pub length: f64,
 }
 
-/// How a place lies to a link.
+/// How a place lies to a line.
 #[derive(Clone, Copy)]
 pub(super) struct Sight {
-    /// Metres along the line through the link, from its lower end.
+    /// Metres along the line through the line, from its lower end.
     pub along: f64,
     /// Squared metres from that line.
     pub aside2: f64,
-    /// Metres from the link's nearest point.
+    /// Metres from the line's nearest point.
     pub distance: f64,
 }
 
 impl Course {
-    pub(super) fn new(link: &Link) -> Self {
-        let [from, to] = link.line.ends;
+    pub(super) fn new(wide: &WideLine) -> Self {
+        let [from, to] = wide.line.ends;
         let [x, y] = [to[0] - from[0], to[1] - from[1]];
         let length = libm::hypot(x, y);
         let direction = if length > 0.0 { [x / length, y / length] } else { [0.0; 2] };
@@ -166,7 +166,7 @@ impl Course {
         let [x, y] = [x - self.from[0], y - self.from[1]];
         let [dx, dy] = self.direction;
         let (along, across) = (x * dx + y * dy, x * dy - y * dx);
-        // A link without length has no direction: all that is not along it is aside.
+        // A line without length has no direction: all that is not along it is aside.
         let aside2 = if self.length > 0.0 { across * across } else { x * x + y * y };
         let beyond = along - along.clamp(0.0, self.length);
         Sight { along, aside2, distance: (aside2 + beyond * beyond).sqrt() }

@@ -8,7 +8,7 @@
 //! fade out.
 
 use super::blocks::{Blocks, Course, Sight, near};
-use super::line::Link;
+use super::line::WideLine;
 use crate::kit::rows::Rows;
 use crate::value::{Field, Grid, Quantity, fill};
 use crate::work::{Cancelled, Work};
@@ -48,23 +48,23 @@ struct Cut {
 }
 
 impl Carving {
-    /// Half the width of the bed of a link, in metres.
-    fn half(&self, link: &Link) -> f64 {
-        (0.5 * link.width).max(LEAST * self.cell)
+    /// Half the width of the bed of a line, in metres.
+    fn half(&self, wide: &WideLine) -> f64 {
+        (0.5 * wide.width).max(LEAST * self.cell)
     }
 
-    /// How far a link changes the land, in metres.
-    fn whole(&self, link: &Link) -> f64 {
-        self.half(link) + self.reach
+    /// How far a line changes the land, in metres.
+    fn whole(&self, wide: &WideLine) -> f64 {
+        self.half(wide) + self.reach
     }
 
     /// Bytes of scratch memory that [`carve`](Self::carve) takes on a grid.
-    pub fn bytes(&self, grid: &Grid, links: &[Link]) -> u64 {
+    pub fn bytes(&self, grid: &Grid, lines: &[WideLine]) -> u64 {
         let around = grid.grow_cells(1);
-        size_of::<Cut>() as u64 * around.len() as u64 + Blocks::bytes(&around, links, |link| self.whole(link))
+        size_of::<Cut>() as u64 * around.len() as u64 + Blocks::bytes(&around, lines, |wide| self.whole(wide))
     }
 
-    /// Cuts links into land on a grid. Beyond the field its border value continues.
+    /// Cuts lines into land on a grid. Beyond the field its border value continues.
     ///
     /// # Errors
     /// [`Cancelled`] when the work was asked to stop.
@@ -73,10 +73,10 @@ impl Carving {
         work: &Work<'_>,
         land: &Field,
         grid: &Grid,
-        links: &[Link],
+        lines: &[WideLine],
     ) -> Result<Carved, Cancelled> {
         let around = grid.grow_cells(1);
-        let cuts = self.cuts(&work.stage(0.0, 0.8), land, around, links)?;
+        let cuts = self.cuts(&work.stage(0.0, 0.8), land, around, lines)?;
         let row = |j: usize| &cuts[j * around.cols..(j + 1) * around.cols];
         let lip = (LIP * self.cell) as f32;
         let height = fill(&work.stage(0.8, 0.9), *grid, land.quantity(), |at, out: &mut [f32]| {
@@ -107,21 +107,21 @@ impl Carving {
         work: &Work<'_>,
         land: &Field,
         around: Grid,
-        links: &[Link],
+        lines: &[WideLine],
     ) -> Result<Vec<Cut>, Cancelled> {
-        let blocks = Blocks::new(work, around, links, |link| self.whole(link))?;
+        let blocks = Blocks::new(work, around, lines, |wide| self.whole(wide))?;
         let (rows, xs) = (Rows::of(land, &around), around.xs());
         let mut cuts = vec![Cut { bed: f32::INFINITY, land: 0.0 }; around.len()];
-        blocks.fill(work, &mut cuts, |part, links, band| {
+        blocks.fill(work, &mut cuts, |part, lines, band| {
             let line = |j: usize| (j - part.rows.start) * around.cols;
             for j in part.rows.clone() {
                 let land = rows.at(around.row + j as i64);
                 let cuts = &mut band[line(j)..][part.cols.clone()];
                 cuts.iter_mut().zip(&land[part.cols.clone()]).for_each(|(cut, &z)| cut.land = z);
             }
-            for link in links {
-                let Some(there) = near(&around, link, self.whole(link)) else { continue };
-                let (there, cutter) = (there.and(part), Cutter::new(self, link));
+            for wide in lines {
+                let Some(there) = near(&around, wide, self.whole(wide)) else { continue };
+                let (there, cutter) = (there.and(part), Cutter::new(self, wide));
                 for j in there.rows.clone() {
                     let land = rows.at(around.row + j as i64);
                     let y = around.y(j);
@@ -135,7 +135,7 @@ impl Carving {
     }
 }
 
-/// What one link cuts.
+/// What one line cuts.
 struct Cutter {
     course: Course,
     low: f64,
@@ -147,11 +147,11 @@ struct Cutter {
 }
 
 impl Cutter {
-    fn new(how: &Carving, link: &Link) -> Self {
-        let course = Course::new(link);
-        let [low, high] = link.line.heights;
+    fn new(how: &Carving, wide: &WideLine) -> Self {
+        let course = Course::new(wide);
+        let [low, high] = wide.line.heights;
         let slope = if course.length > 0.0 { (high - low) / course.length } else { 0.0 };
-        Self { course, low, slope, half: how.half(link), rise: how.rise, reach: how.reach }
+        Self { course, low, slope, half: how.half(wide), rise: how.rise, reach: how.reach }
     }
 
     fn cut(&self, at: [f64; 2], land: f32, cut: &mut Cut) {

@@ -1,7 +1,7 @@
 //! Lines on a grid: how much of each sample they cover, and what colour they give it.
 
 use super::blocks::{Blocks, Course, near};
-use super::line::Link;
+use super::line::WideLine;
 use crate::value::{Colors, Field, Grid, Quantity, Raster};
 use crate::work::{Cancelled, Work};
 
@@ -32,38 +32,38 @@ struct Wet {
     share: f32,
 }
 
-/// Metres around a link in which it covers anything.
-fn whole(grid: &Grid, link: &Link) -> f64 {
-    0.5 * (link.width + grid.cell())
+/// Metres around a line in which it covers anything.
+fn whole(grid: &Grid, wide: &WideLine) -> f64 {
+    0.5 * (wide.width + grid.cell())
 }
 
 impl Drawing {
     /// Bytes of scratch memory that [`draw`](Self::draw) takes on a grid.
-    pub fn bytes(grid: &Grid, links: &[Link]) -> u64 {
-        let sorted = 2 * size_of_val(links) as u64;
+    pub fn bytes(grid: &Grid, lines: &[WideLine]) -> u64 {
+        let sorted = 2 * size_of_val(lines) as u64;
         size_of::<Wet>() as u64 * grid.len() as u64
             + sorted
-            + Blocks::bytes(grid, links, |link| whole(grid, link))
+            + Blocks::bytes(grid, lines, |wide| whole(grid, wide))
     }
 
     /// Draws lines on a grid, each as wide as it says.
     ///
     /// # Errors
     /// [`Cancelled`] when the work was asked to stop.
-    pub fn draw(&self, work: &Work<'_>, grid: &Grid, mut links: Vec<Link>) -> Result<Drawn, Cancelled> {
-        links.sort_by_key(|link| link.order);
-        let blocks = Blocks::new(work, *grid, &links, |link| whole(grid, link))?;
+    pub fn draw(&self, work: &Work<'_>, grid: &Grid, mut lines: Vec<WideLine>) -> Result<Drawn, Cancelled> {
+        lines.sort_by_key(|wide| wide.order);
+        let blocks = Blocks::new(work, *grid, &lines, |wide| whole(grid, wide))?;
         let xs = grid.xs();
         let mut wet = self.ground(grid);
-        blocks.fill(work, &mut wet, |part, links, band| {
-            for link in links {
-                let Some(there) = near(grid, link, whole(grid, link)) else { continue };
-                let (there, course) = (there.and(part), Course::new(link));
+        blocks.fill(work, &mut wet, |part, lines, band| {
+            for wide in lines {
+                let Some(there) = near(grid, wide, whole(grid, wide)) else { continue };
+                let (there, course) = (there.and(part), Course::new(wide));
                 for j in there.rows.clone() {
                     let line = &mut band[(j - part.rows.start) * grid.cols..][..grid.cols];
                     for i in there.cols.clone() {
                         let distance = course.sight([xs[i], grid.y(j)]).distance;
-                        line[i].cover(self, link.order, coverage(link.width, distance, grid.cell()));
+                        line[i].cover(self, wide.order, coverage(wide.width, distance, grid.cell()));
                     }
                 }
             }
@@ -96,7 +96,7 @@ impl Drawing {
 
 impl Wet {
     /// Covers a share of the sample with a line of an order. Lines come by rising order; of one order the largest share
-    /// counts, so that links do not show where they join.
+    /// counts, so that lines do not show where they join.
     fn cover(&mut self, drawing: &Drawing, order: u8, share: f32) {
         if order != self.order {
             self.dry(drawing);

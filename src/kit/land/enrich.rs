@@ -133,7 +133,7 @@ impl Step {
         let noise = how.displacement * self.distance * self.half as f64;
         let side = |row: Option<usize>| {
             let row = row?;
-            Some(Line { values: other_values.get(row)?.as_deref()?, bits: other_bits.get(row)?.as_deref()? })
+            Some(Known { values: other_values.get(row)?.as_deref()?, bits: other_bits.get(row)?.as_deref()? })
         };
         values.into_par_iter().zip(bits).with_min_len(64).try_for_each(|((row, values), (_, bits))| {
             work.check()?;
@@ -152,9 +152,9 @@ struct Neighbour {
     weight: f32,
 }
 
-/// A row that is read.
+/// A row that is read, and where it is known.
 #[derive(Clone, Copy)]
-struct Line<'a> {
+struct Known<'a> {
     values: &'a [f32],
     bits: &'a [u64],
 }
@@ -166,7 +166,7 @@ struct Row<'a> {
     /// The columns that are filled.
     valid: &'a [u64],
     /// The rows half a side to the north and south.
-    sides: [Option<Line<'a>>; 2],
+    sides: [Option<Known<'a>>; 2],
     noise: Noise,
 }
 

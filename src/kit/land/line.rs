@@ -13,7 +13,7 @@ pub struct Line {
 
 /// A piece of a river or ridge as it is carved and drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link {
+pub struct WideLine {
     /// Where it lies. Of a river the lower end stands first.
     pub line: Line,
     /// Its width, in metres.

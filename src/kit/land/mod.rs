@@ -15,5 +15,5 @@ mod skeleton;
 
 pub use self::bits::Bits;
 pub use self::enrich::{Enriched, Enrichment, enrich};
-pub use self::line::{Line, Link};
+pub use self::line::{Line, WideLine};
 pub use self::skeleton::{Feature, Skeleton};

@@ -2,6 +2,7 @@
 
 use orograph::engine::{Unobserved, Want};
 use orograph::node::{Cancel, Kind};
+use orograph::ports::MASK;
 use orograph::value::{Field, Grid, Quantity, Terrain, Value, WireType};
 use serde_json::Value as Json;
 

@@ -2,7 +2,7 @@
 
 use orograph::kit::hash;
 use orograph::kit::land::carve::{Carved, Carving};
-use orograph::kit::land::{Line, Link};
+use orograph::kit::land::{Line, WideLine};
 use orograph::value::{Field, Grid, Lattice, Quantity};
 use orograph::work::{Cancel, Cancelled, Work};
 use proptest::prelude::*;
@@ -17,9 +17,9 @@ fn grid(finer: u32) -> Grid {
 }
 
 /// A chain of links from an outlet inland, that falls towards it by 2 m each.
-fn river(points: &[[f64; 2]], outlet: f64, width: f64) -> Vec<Link> {
+fn river(points: &[[f64; 2]], outlet: f64, width: f64) -> Vec<WideLine> {
     let height = |i: usize| outlet + 2.0 * i as f64;
-    let link = |i: usize| Link {
+    let link = |i: usize| WideLine {
         line: Line { ends: [points[i], points[i + 1]], heights: [height(i), height(i + 1)] },
         width,
         order: 1,
@@ -29,7 +29,7 @@ fn river(points: &[[f64; 2]], outlet: f64, width: f64) -> Vec<Link> {
 
 /// A main river across the terrain, whose outlet is on the border, and a tributary that runs close beside it before it
 /// joins, 8 m above.
-fn network(width: f64) -> Vec<Link> {
+fn network(width: f64) -> Vec<WideLine> {
     let main: Vec<_> = (0..12).map(|k| [45.0 * f64::from(k), 200.0 + 40.0 * f64::from(k % 3)]).collect();
     let joins = main[4];
     let beside: Vec<_> = std::iter::once(joins)
@@ -51,7 +51,7 @@ fn carving(grid: &Grid) -> Carving {
     Carving { cell: grid.cell().max(CELL), rise: 0.5, reach: 40.0 }
 }
 
-fn carve(land: &Field, grid: &Grid, links: &[Link]) -> Carved {
+fn carve(land: &Field, grid: &Grid, links: &[WideLine]) -> Carved {
     carving(land.grid()).carve(&Work::default(), land, grid, links).expect("nobody stops it")
 }
 
@@ -110,7 +110,7 @@ fn beds_are_connected_and_have_the_lowest_height_within_half_their_width() {
         let (x, y) = (grid.x(k % grid.cols), grid.y(k / grid.cols));
         // Links taken in ten thousand steps.
         let mut lowest = f64::MAX;
-        for Link { line: Line { ends: [a, b], heights: [low, high] }, .. } in &links {
+        for WideLine { line: Line { ends: [a, b], heights: [low, high] }, .. } in &links {
             for step in 0..=4000 {
                 let t = f64::from(step) / 4000.0;
                 let at = [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
@@ -190,14 +190,14 @@ proptest! {
         (rise, reach) in (0.0..100.0f64, prop_oneof![Just(0.0), 0.0..1e4f64]),
     ) {
         let grid = grid(1);
-        let link = |i: usize| Link {
+        let link = |i: usize| WideLine {
             line: Line { ends: [points[i], points[i + 1]], heights: [heights[i], heights[i + 1]] },
             width,
             order: 1,
         };
         let mut links: Vec<_> = (0..points.len() - 1).map(link).collect();
         // A link without length.
-        links.push(Link { line: Line { ends: [[100.0, 90.0]; 2], heights: [5.0, 4.0] }, width, order: 1 });
+        links.push(WideLine { line: Line { ends: [[100.0, 90.0]; 2], heights: [5.0, 4.0] }, width, order: 1 });
         let carved = Carving { cell: CELL, rise, reach }.carve(&Work::default(), &land(&grid), &grid, &links).unwrap();
         prop_assert!(carved.height.data().iter().all(|z| z.is_finite()));
         prop_assert!(carved.bed.data().iter().all(|b| *b == 0.0 || *b == 1.0));
