@@ -10,6 +10,8 @@ mod drawing;
 mod files;
 mod panels;
 mod pictures;
+#[path = "../it/rig/skip.rs"]
+mod skip;
 mod soak;
 mod view;
 
@@ -17,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, pos2, vec2};
+use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, Shape, pos2, vec2};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use eframe::wgpu::DeviceType;
 use egui_kittest::Harness;
@@ -290,13 +292,30 @@ impl Window {
 
     /// Waits until everything that is in sight is evaluated.
     pub(crate) fn settle(&mut self) {
+        self.until("the work is done", |window| !window.editor().is_busy());
+        self.steps(2);
+    }
+
+    /// Goes on frame by frame until something has come about.
+    pub(crate) fn until(&mut self, what: &str, mut there: impl FnMut(&mut Self) -> bool) {
         let start = Instant::now();
-        while self.editor().is_busy() {
-            assert!(start.elapsed() < Duration::from_secs(120), "it does not come to an end");
+        while !there(self) {
+            assert!(start.elapsed() < Duration::from_secs(120), "in vain until {what}");
             std::thread::sleep(Duration::from_millis(10));
             self.steps(1);
         }
-        self.steps(2);
+    }
+
+    /// Whether the last frame painted a text that has some words in it.
+    pub(crate) fn paints(&self, words: &str) -> bool {
+        fn has(shape: &Shape, words: &str) -> bool {
+            match shape {
+                Shape::Text(text) => text.galley.text().contains(words),
+                Shape::Vec(shapes) => shapes.iter().any(|s| has(s, words)),
+                _ => false,
+            }
+        }
+        self.0.output().shapes.iter().any(|clipped| has(&clipped.shape, words))
     }
 }
 

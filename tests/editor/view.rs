@@ -11,8 +11,13 @@ fn shows_the_result_of_the_graph_and_of_what_is_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Window::on(&preset(folder.path()));
     window.settle();
-    assert!(window.editor().shown_range().is_some(), "the first output is shown");
+    let first = window.editor().shown_range();
+    assert!(first.is_some(), "the first output is shown");
     assert!(window.editor().thumbnails() > 3);
+    window.click("node bent");
+    window.settle();
+    let chosen = window.editor().shown_range();
+    assert!(chosen.is_some() && chosen != first, "{chosen:?} is that of the whole graph");
 }
 
 #[test]
