@@ -210,7 +210,7 @@ impl Editor {
         }
     }
 
-    /// Whether what is shown is a draft, which the exact result is to follow.
+    /// Whether the view shows a draft, which the exact result will replace.
     pub fn shows_draft(&self) -> bool {
         self.evaluator.as_ref().is_some_and(|e| e.board().shown.as_ref().is_some_and(|s| s.draft))
     }

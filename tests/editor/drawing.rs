@@ -14,7 +14,7 @@ fn ridge() -> (Window, tempfile::TempDir) {
     ridge_on(257)
 }
 
-/// The same on a base grid of some size.
+/// [`ridge`] on a base grid with this many samples along a side.
 fn ridge_on(base: u32) -> (Window, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("ridge.graph");
@@ -322,15 +322,15 @@ fn a_mask_is_painted_erased_and_undone() {
     assert!(strokes(&window).is_empty());
 }
 
-/// Law 3: what is not exact says so, and is always followed by what is.
+/// Law 3: a draft is marked as a draft and followed by the exact result.
 #[test]
-fn a_drag_shows_drafts_that_say_so_and_the_exact_result_follows() {
+fn drafts_of_a_drag_are_marked_and_followed_by_the_exact_result() {
     let (mut window, folder) = ridge_on(1025);
     window.press(on_map(&window, 4000.0, 3500.0));
     let from = window.at("control point 1");
     window.hover(from);
     window.button(from, true);
-    assert!(!window.editor().shows_draft() && !window.paints("draft"), "before the hand moves all is exact");
+    assert!(!window.editor().shows_draft() && !window.paints("draft"), "the result is exact before the drag");
     for k in 1..=3 {
         let shown = window.editor().showings();
         window.hover(from + vec2(0.0, -10.0 * k as f32));
@@ -342,7 +342,7 @@ fn a_drag_shows_drafts_that_say_so_and_the_exact_result_follows() {
     window.button(from - vec2(0.0, 30.0), false);
     window.settle();
     assert!(!window.editor().shows_draft() && !window.paints("draft"));
-    // As somebody sees it who opens the graph that came of it.
+    // A second window opens the changed graph and evaluates it without any draft.
     let path = folder.path().join("moved.graph");
     std::fs::write(&path, window.graph().to_bytes()).unwrap();
     let mut other = Window::on(&path);

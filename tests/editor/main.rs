@@ -290,23 +290,31 @@ impl Window {
         self.key(Key::Enter);
     }
 
-    /// Waits until everything that is in sight is evaluated.
+    /// Draws frames until everything in sight is evaluated, and the frames that show the result.
     pub(crate) fn settle(&mut self) {
-        self.until("the work is done", |window| !window.editor().is_busy());
+        self.until("everything in sight is evaluated", |window| !window.editor().is_busy());
         self.steps(2);
     }
 
-    /// Goes on frame by frame until something has come about.
-    pub(crate) fn until(&mut self, what: &str, mut there: impl FnMut(&mut Self) -> bool) {
+    /// Draws frames until a condition holds; fails after two minutes. The window is as it was in the frame in which the
+    /// condition first held: a dialog that opened in this frame is not yet drawn, see [`appears`](Self::appears).
+    pub(crate) fn until(&mut self, condition: &str, mut holds: impl FnMut(&mut Self) -> bool) {
         let start = Instant::now();
-        while !there(self) {
-            assert!(start.elapsed() < Duration::from_secs(120), "in vain until {what}");
+        while !holds(self) {
+            assert!(start.elapsed() < Duration::from_secs(120), "two minutes passed before {condition}");
             std::thread::sleep(Duration::from_millis(10));
             self.steps(1);
         }
     }
 
-    /// Whether the last frame painted a text that has some words in it.
+    /// Draws frames until a widget with this label is there and can be clicked. egui measures a new dialog in its first
+    /// frame and places it in the next, where a click finds it.
+    pub(crate) fn appears(&mut self, label: &str) {
+        self.until(&format!("`{label}` appears"), |window| window.has(label));
+        self.steps(2);
+    }
+
+    /// Whether the last frame painted a text that contains some words.
     pub(crate) fn paints(&self, words: &str) -> bool {
         fn has(shape: &Shape, words: &str) -> bool {
             match shape {

@@ -1,5 +1,5 @@
-//! A day at random; a long one with `OROGRAPH_BREADTH=1`, one of any length with `OROGRAPH_SOAK=100000 cargo test --test
-//! editor soak -- --nocapture`.
+//! Random edits, at the end of which memory has not grown and everything can be undone. 300 edits run by default, 20,000
+//! with `OROGRAPH_BREADTH=1`, and any number with `OROGRAPH_SOAK=100000 cargo test --test editor soak -- --nocapture`.
 
 use std::path::Path;
 
@@ -8,13 +8,13 @@ use orograph::kit::hash;
 
 use super::{Window, ground, preset};
 
-/// Edits where nothing else is asked for, and where the whole is.
+/// Number of edits by default, and with `OROGRAPH_BREADTH`.
 const EDITS: [u64; 2] = [300, 20_000];
-/// How often they are evaluated to the end and memory is looked at.
-const SETTLE: u64 = 75;
-/// What the engine may hold: little, so that its caches are soon full and what grows from then on is a leak.
+/// Edits between two measurements of memory. The graph is evaluated to the end before each.
+const BETWEEN: u64 = 50;
+/// Memory budget of the engine, in bytes: small, so that the first edits fill its caches and later growth is a leak.
 const BUDGET: u64 = 256 << 20;
-/// How far memory may be from what it was after the first edits.
+/// Bytes by which memory may exceed the first measurement.
 const GROWTH: u64 = 128 << 20;
 
 #[test]
@@ -23,23 +23,23 @@ fn random_edits_end_with_flat_memory_and_can_be_undone() {
     let asked = std::env::var("OROGRAPH_SOAK").ok().map(|text| text.parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
     let memory = edits(&preset(folder.path()), asked.unwrap_or(EDITS[usize::from(breadth)]));
-    assert!(memory.len() > 2 && memory[0] > 0, "memory was looked at: {memory:?}");
-    assert_eq!(grows(&memory), None);
+    assert!(memory.len() > 2 && memory[0] > 0, "memory was measured: {memory:?}");
+    assert_eq!(first_excess(&memory), None, "{memory:?}");
 }
 
 #[test]
-fn memory_that_grows_is_found() {
+fn memory_growth_is_found() {
     let leak: Vec<u64> = (0..4).map(|k| (300 << 20) + k * (GROWTH / 2)).collect();
-    assert_eq!(grows(&leak), Some(3));
-    assert_eq!(grows(&leak[..3]), None);
+    assert_eq!(first_excess(&leak), Some(3));
+    assert_eq!(first_excess(&leak[..3]), None);
 }
 
-/// The first of some looks at memory that is too far above the first.
-fn grows(memory: &[u64]) -> Option<usize> {
+/// The index of the first measurement of memory that exceeds the first one by more than [`GROWTH`].
+fn first_excess(memory: &[u64]) -> Option<usize> {
     memory.iter().position(|now| *now > memory[0] + GROWTH)
 }
 
-/// Bytes in memory after each part of so many edits.
+/// Makes `count` random edits and undoes them; returns the bytes in memory after every [`BETWEEN`] edits.
 fn edits(path: &Path, count: u64) -> Vec<u64> {
     let mut window = Window::frugal(path, BUDGET);
     window.settle();
@@ -47,18 +47,18 @@ fn edits(path: &Path, count: u64) -> Vec<u64> {
     for k in 0..count {
         edit(&mut window, k);
         if window.graph().nodes().len() > 60 {
-            // Back to a small graph, so that what grows is a leak.
+            // The graph is made small again, so that memory which keeps growing is a leak.
             window.keys(Modifiers::COMMAND, Key::A);
             window.key(Key::Delete);
         }
-        if k % SETTLE == SETTLE - 1 {
+        if k % BETWEEN == BETWEEN - 1 {
             window.settle();
             memory.push(resident());
             println!("{k}: {} MB", resident() >> 20);
         }
     }
     window.settle();
-    // The history keeps a thousand states.
+    // The history holds a thousand states, so that longer runs cannot be undone to the first.
     if count < 1000 {
         let (_, at) = window.editor().document().states();
         for _ in 0..at {
@@ -69,7 +69,7 @@ fn edits(path: &Path, count: u64) -> Vec<u64> {
     memory
 }
 
-/// One edit; which is up to the counter.
+/// Makes the random edit with the number `k`.
 fn edit(window: &mut Window, k: u64) {
     let dice = |n: u64| hash::nth(17, k * 8 + n);
     let place = ground((dice(1) % 880) as f32, (dice(2) % 220) as f32);
@@ -99,7 +99,7 @@ fn edit(window: &mut Window, k: u64) {
     }
 }
 
-/// Bytes of the process that are in memory.
+/// The bytes of this process that are in memory.
 fn resident() -> u64 {
     let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     text.split_whitespace().nth(1).and_then(|p| p.parse::<u64>().ok()).unwrap_or(0) * 4096
