@@ -12,7 +12,7 @@ use crate::value::curves::CurveError;
 const PARSING_SECONDS: f64 = 0.2e-6;
 
 /// The file that a parameter `file` names, where it names one.
-pub fn request(file: &FilePath) -> Vec<FileRequest> {
+pub(crate) fn request(file: &FilePath) -> Vec<FileRequest> {
     let named = !file.0.is_empty();
     named
         .then(|| FileRequest { parameter: "file", name: file.0.clone(), optional: false })
@@ -24,7 +24,7 @@ pub fn request(file: &FilePath) -> Vec<FileRequest> {
 ///
 /// # Errors
 /// Where no file is named, or it is too long.
-pub fn cost(files: &[Arc<SourceFile>]) -> Result<Cost> {
+pub(crate) fn cost(files: &[Arc<SourceFile>]) -> Result<Cost> {
     let Some(first) = files.first() else { return Err(Error::no_file("file")) };
     if let Some(long) = files.iter().find(|f| f.len() > MAX_FILE as u64) {
         let (file, found) = (long.name().to_owned(), long.len());
@@ -40,7 +40,7 @@ pub fn cost(files: &[Arc<SourceFile>]) -> Result<Cost> {
 ///
 /// # Errors
 /// Where the file is not there, is none of lines, or the work was asked to stop.
-pub fn read<'a>(
+pub(crate) fn read<'a>(
     cx: &Context<'_>,
     file: &FilePath,
     laying: Laying,

@@ -3,14 +3,13 @@
 use crate::files::vectors::svg::Fit;
 use crate::files::vectors::{FileLine, Laying, Property, Wanted};
 use crate::kit::curves::flatten::flatten;
-use crate::kit::flow::join::{Line, join};
-use crate::kit::flow::network as flow;
+use crate::kit::flow::join::Line;
 use crate::nodes::vector_file;
 use crate::prelude::*;
+use crate::value::Curve;
 use crate::value::curves::{ConstraintPoint, Noise, Rise};
+use crate::value::rivers::MAX_VERTICES;
 use crate::value::rivers::written::{self, WrittenRiver};
-use crate::value::rivers::{MAX_VERTICES, RiverVertex};
-use crate::value::{Curve, RiverFault};
 
 use super::network;
 
@@ -26,9 +25,8 @@ const TOLERANCE: f64 = 1.0;
 /// A file that a build wrote of rivers has the numbers of the vertices, the areas and the widths as properties: the
 /// network comes back as it was, and nothing is joined. In SVG the heights are lost.
 ///
-/// In other files no land is known: each metre of river is taken to drain a strip of land `catchment` wide,
-/// `A = catchment · L`, where `L` is the length of all river above, and a river is `width · √(A / 1 km²)` wide
-/// \[leopold1953\]. `river_profile` gives beds heights.
+/// In other files the area that drains through a vertex is that of the Voronoi cells upstream inside the terrain, and a
+/// river is `width · √(A / 1 km²)` wide \[leopold1953\]. `river_profile` gives beds heights.
 ///
 /// # Limits
 /// A file may have 64 MiB and 1,048,576 positions. Rivers that would run in a circle are left apart: of those that close
@@ -48,9 +46,6 @@ pub struct ImportRivers {
     /// Distance within which the end of a river joins another.
     #[schemars(range(min = 0.0, max = 10_000.0), extend("x-soft" = [0.0, 200.0]))]
     pub snap: Metres,
-    /// Width of the land that drains to a river.
-    #[schemars(range(min = 0.0, max = 100_000.0), extend("x-soft" = [0.0, 5000.0]))]
-    pub catchment: Metres,
     /// Width of a river that drains a square kilometre.
     #[schemars(range(min = 0.0, max = 1000.0), extend("x-soft" = [0.0, 50.0]))]
     pub width: Metres,
@@ -76,7 +71,6 @@ impl Default for ImportRivers {
             fit: Fit::default(),
             direction: LineDirection::default(),
             snap: Metres(30.0),
-            catchment: Metres(1000.0),
             width: Metres(4.0),
         }
     }
@@ -118,18 +112,17 @@ impl Node for ImportRivers {
         let laying = Laying { fit: self.fit, smooth: false, spacing: 0.0 };
         let wanted = Wanted::Lines(&written::NAMES);
         let lines = vector_file::read(&cx.stage(0.0, 0.6), &self.file, laying, wanted)?.lines;
-        let own = written::network(lines.iter().map(as_written));
-        let vertices = match own {
-            Some(vertices) => vertices,
+        let rivers = match written::network(lines.iter().map(as_written)) {
+            Some(vertices) => network::made(vertices)?,
             None => self.joined(&cx.stage(0.6, 1.0), &lines)?,
         };
-        Ok(Outputs { rivers: network::made(vertices)? })
+        Ok(Outputs { rivers })
     }
 }
 
 impl ImportRivers {
     /// A network of lines whose ends join others.
-    fn joined(&self, cx: &Context<'_>, lines: &[FileLine]) -> Result<Vec<RiverVertex>> {
+    fn joined(&self, cx: &Context<'_>, lines: &[FileLine]) -> Result<Rivers> {
         let mut left = MAX_VERTICES;
         let mut ways = Vec::with_capacity(lines.len());
         for (n, line) in lines.iter().enumerate() {
@@ -147,23 +140,7 @@ impl ImportRivers {
             }
             ways.push(Line(corners));
         }
-        let joined = join(&ways, self.snap.0, &cx.work.stage(0.3, 0.9))?;
-        let vertex = |&([x, y, height], down): &([f64; 3], Option<u32>)| RiverVertex {
-            at: [x, y],
-            height,
-            down,
-            ..RiverVertex::default()
-        };
-        let vertices: Vec<RiverVertex> = joined.iter().map(vertex).collect();
-        let (sorted, _) =
-            Rivers::sorted(&vertices).map_err(|fault: RiverFault| self.fault(fault.to_string()))?;
-        let mut vertices = network::changed(&sorted);
-        flow::lower(&mut vertices);
-        flow::drain_strips(&mut vertices, self.catchment.0);
-        for vertex in &mut vertices {
-            vertex.width = flow::width(self.width.0, vertex.area.into()) as f32;
-        }
-        Ok(vertices)
+        network::of_lines(&cx.stage(0.3, 1.0), &ways, [self.snap, self.width], |message| self.fault(message))
     }
 
     fn fault(&self, message: String) -> Error {

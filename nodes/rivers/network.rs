@@ -1,6 +1,10 @@
 //! What kinds that make river networks share.
 
-use crate::node::{Cost, Error, Load, Result};
+use crate::kit::flow::join::{Line, join};
+use crate::kit::flow::network::lower;
+use crate::kit::rivers::drainage;
+use crate::node::{Context, Cost, Error, Load, Result};
+use crate::units::Metres;
 use crate::value::{RiverFault, RiverVertex, Rivers};
 
 /// Most links that a kind makes.
@@ -33,4 +37,30 @@ pub fn vertices(load: &Load<'_>) -> f64 {
 pub fn cost(vertices: f64, bytes: f64, microseconds: f64) -> Cost {
     // A floor for what does not grow with the network.
     Cost { bytes: (1 << 20) + (vertices * bytes) as u64, seconds: 1e-4 + vertices * microseconds * 1e-6 }
+}
+
+/// A network of lines from source to mouth, whose ends join others within `snap`: its beds fall all the way, it drains the
+/// terrain, and a river that drains a square kilometre is `width` wide.
+///
+/// # Errors
+/// Says as `fault` how the lines are no network; or the work was asked to stop.
+pub fn of_lines(
+    cx: &Context<'_>,
+    lines: &[Line],
+    [snap, width]: [Metres; 2],
+    fault: impl Fn(String) -> Error,
+) -> Result<Rivers> {
+    let joined = join(lines, snap.0, &cx.work.stage(0.0, 0.4))?;
+    let vertex = |&([x, y, height], down): &([f64; 3], Option<u32>)| RiverVertex {
+        at: [x, y],
+        height,
+        down,
+        ..RiverVertex::default()
+    };
+    let vertices: Vec<RiverVertex> = joined.iter().map(vertex).collect();
+    let (sorted, _) = Rivers::sorted(&vertices).map_err(|e| fault(e.to_string()))?;
+    let mut vertices = changed(&sorted);
+    lower(&mut vertices);
+    drainage::drain(&mut vertices, cx.terrain()?.bounds(), width.0, &cx.work.stage(0.4, 1.0))?;
+    Rivers::new(vertices).map_err(|e| fault(e.to_string()))
 }

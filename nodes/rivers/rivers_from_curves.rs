@@ -1,12 +1,11 @@
 //! Rivers along curves.
 
+use super::network;
 use crate::kit::curves::flatten::flatten;
-use crate::kit::flow::join::{Line, join};
-use crate::kit::flow::network::lower;
-use crate::kit::rivers::drainage;
+use crate::kit::flow::join::Line;
 use crate::prelude::*;
 use crate::value::Curve;
-use crate::value::rivers::{MAX_VERTICES, RiverVertex};
+use crate::value::rivers::MAX_VERTICES;
 
 /// Makes a river network of curves: each is drawn from the source to the mouth, and ends in the river that it reaches.
 ///
@@ -56,8 +55,7 @@ ports! {
 impl Node for RiversFromCurves {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta =
-        Meta::new()
+    const META: Meta = Meta::new()
         .cite(&["leopold1953"])
         .keywords(&["stream", "network", "convert", "draw", "join"])
         .reads(Reads::TERRAIN);
@@ -85,22 +83,9 @@ impl Node for RiversFromCurves {
             };
             lines.push(Line(line.iter().map(corner).collect()));
         }
-        let joined = join(&lines, self.snap.0, &cx.work.stage(0.2, 0.5))?;
-        let vertex = |&(at, down): &([f64; 3], Option<u32>)| RiverVertex {
-            at: [at[0], at[1]],
-            height: at[2],
-            down,
-            ..RiverVertex::default()
-        };
-        let vertices: Vec<RiverVertex> = joined.iter().map(vertex).collect();
-        let fault =
-            |e: crate::value::RiverFault| Error::Input { port: "curves".into(), message: e.to_string() };
-        let (sorted, _) = Rivers::sorted(&vertices).map_err(fault)?;
-        let mut vertices = sorted.vertices().to_vec();
-        lower(&mut vertices);
-        let bounds = cx.terrain()?.bounds();
-        drainage::drain(&mut vertices, bounds, self.width.0, &cx.work.stage(0.5, 1.0))?;
-        Ok(Outputs { rivers: Rivers::new(vertices).map_err(fault)? })
+        let wrong = |message: String| Error::Input { port: "curves".into(), message };
+        let rivers = network::of_lines(&cx.stage(0.2, 1.0), &lines, [self.snap, self.width], wrong)?;
+        Ok(Outputs { rivers })
     }
 }
 

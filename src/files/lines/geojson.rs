@@ -5,11 +5,11 @@ use std::io::Write;
 use serde_json::json;
 
 use super::Lines;
-use crate::files::codec::{Form, Writer};
+use crate::files::codec::{FormatSpec, Writer};
 use crate::files::error::WriteError;
 use crate::value::{Feature, Terrain};
 
-pub(in crate::files) static FORM: Form = Form {
+pub(in crate::files) static FORM: FormatSpec = FormatSpec {
     name: "geojson",
     by_extension: false,
     levels: None,
