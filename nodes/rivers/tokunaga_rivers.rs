@@ -47,6 +47,7 @@ pub struct TokunagaRivers {
     /// East and south of the estuary of each line, then of the place inland, inside the terrain. Where it is not set, one
     /// line runs from the middle of the southern border most of the way to the north.
     #[schemars(extend(
+        "x-widget" = Widget::Lines,
         "x-items" = ["east", "south", "east", "south"],
         "examples" = [[[4096, 8192, 4096, 900], [0, 2500, 2900, 1800]]],
     ))]

@@ -295,6 +295,52 @@ fn a_short_form_is_dragged_by_its_points() {
 }
 
 #[test]
+fn straight_lines_are_drawn_dragged_turned_and_deleted() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rivers.graph");
+    let graph = json!({
+        "orograph": 1,
+        "terrain": { "origin": [0, 0], "width": 8000, "depth": 8000, "base": 65 },
+        "nodes": { "rivers": { "kind": "tokunaga_rivers", "at": [0, 0], "set": { "max_depth": 3 } } },
+    });
+    std::fs::write(&path, serde_json::to_vec(&graph).unwrap()).unwrap();
+    let mut window = Window::on(&path);
+    window.click("node rivers");
+    window.settle();
+    let lines = |w: &Window| -> Vec<[f64; 4]> {
+        let set = &w.graph().node(w.graph().find("rivers").unwrap()).set;
+        serde_json::from_value(set.get("lines").cloned().unwrap_or_else(|| json!([]))).unwrap()
+    };
+    let near = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 40.0);
+    window.key(Key::K);
+    for [x, y] in [[2000.0, 7900.0], [2500.0, 1500.0], [6000.0, 7900.0], [6500.0, 3000.0]] {
+        window.press(on_map(&window, x, y));
+        window.steps(20);
+    }
+    window.key(Key::Escape);
+    let drawn = lines(&window);
+    assert_eq!(drawn.len(), 2, "two clicks make a line, and two more another: {drawn:?}");
+    assert!(near(drawn[0], [2000.0, 7900.0, 2500.0, 1500.0]), "{drawn:?}");
+    assert!(near(drawn[1], [6000.0, 7900.0, 6500.0, 3000.0]), "{drawn:?}");
+    let end = window.at("end");
+    window.drag(&[end, on_map(&window, 5500.0, 2000.0)]);
+    assert!(near(lines(&window)[1], [6000.0, 7900.0, 5500.0, 2000.0]), "{:?}", lines(&window));
+    window.secondary(on_map(&window, 5750.0, 4950.0));
+    window.click("Turn round");
+    assert!(near(lines(&window)[1], [5500.0, 2000.0, 6000.0, 7900.0]), "{:?}", lines(&window));
+    window.steps(20);
+    window.press(on_map(&window, 2250.0, 4700.0));
+    window.steps(20);
+    window.key(Key::Delete);
+    assert_eq!(lines(&window).len(), 1, "the chosen line, not the node");
+    assert!(window.graph().find("rivers").is_some());
+    for _ in 0..5 {
+        window.keys(COMMAND, Key::Z);
+    }
+    assert_eq!(lines(&window).len(), 0, "every step is undone");
+}
+
+#[test]
 fn a_mask_is_painted_erased_and_undone() {
     let mut window = Window::empty();
     window.hover(ground(60.0, 60.0));
