@@ -70,6 +70,7 @@ registry! {
         import_rivers: ImportRivers,
         infill_rivers: InfillRivers,
         lakes: Lakes,
+        meander_rivers: MeanderRivers,
         river_profile: RiverProfile,
         rivers_from_curves: RiversFromCurves,
         skeleton_raster: SkeletonRaster,

@@ -3,6 +3,7 @@
 mod delaunay;
 mod growth;
 mod infill;
+mod meander;
 mod nodes;
 mod profile;
 mod ridges;

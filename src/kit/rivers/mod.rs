@@ -6,7 +6,7 @@
 //! Side branches of such a network are as many as Tokunaga's law says, `T_k = a c^(k-1)` \[peckham1995\].
 //!
 //! # Practice
-//! [`grow`] draws the lines of an artist into networks, [`infill`] adds tributaries, [`drainage`] sums the land that
+//! [`grow`] draws the lines of an artist into networks, [`infill`] adds tributaries, [`meander`] makes them wind, [`drainage`] sums the land that
 //! drains through each vertex, [`profile`] sets the heights of beds, and [`ridges`] finds the divides. [`statistics`]
 //! counts orders and side branches of any network.
 
@@ -17,6 +17,7 @@ pub mod gap;
 pub mod grow;
 pub mod infill;
 pub mod link_grid;
+pub mod meander;
 pub mod meeting;
 pub mod profile;
 pub mod ridges;
