@@ -52,7 +52,7 @@ ports! {
         rivers: Rivers,
     }
     pub struct Outputs {
-        /// The rivers, then those that were added.
+        /// The rivers and those that were added.
         rivers: Rivers,
     }
 }
@@ -99,7 +99,9 @@ impl Node for InfillRivers {
         if filled.unreached > 0 {
             cx.warn(format!("{} places stay without a river, shut in by others", filled.unreached));
         }
-        let mut vertices = filled.vertices;
+        // River after river, as the other kinds give them: what is near is then near in memory, too.
+        let sorted = Rivers::sorted(&filled.vertices).map_err(network::of_fault)?.0;
+        let mut vertices = network::changed(&sorted);
         drainage::drain(&mut vertices, infill.filled_bounds(), self.width.0, &cx.work.stage(0.7, 1.0))?;
         Ok(Outputs { rivers: network::made(vertices)? })
     }
