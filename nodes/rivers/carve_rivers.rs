@@ -102,7 +102,7 @@ impl CarveRivers {
 
     fn lines(&self, rivers: &Rivers) -> Vec<WideLine> {
         let large = rivers
-            .lines()
+            .links()
             .filter(|(upper, _)| u32::from(rivers.vertices()[*upper].order) >= self.least_order);
         let link = |(upper, lower): (usize, usize)| {
             let of = rivers.vertices()[upper];

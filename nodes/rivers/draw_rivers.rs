@@ -82,7 +82,7 @@ impl DrawRivers {
     fn lines(&self, rivers: &Rivers, base_cell: f64) -> Vec<WideLine> {
         let least = self.least_width.map_or(base_cell, |m| m.0);
         let large = rivers
-            .lines()
+            .links()
             .filter(|(upper, _)| u32::from(rivers.vertices()[*upper].order) >= self.least_order);
         let link = |(upper, lower): (usize, usize)| {
             let of = rivers.vertices()[upper];

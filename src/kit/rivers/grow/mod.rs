@@ -171,8 +171,10 @@ impl<'a> Map<'a> {
                 map.grown.crossing.push(number);
             }
             // A line without room keeps its number, and no link.
-            let mut stem = free.unwrap_or(Stem { depth: 0, ..stems[0] });
-            if free.is_some() {
+            let mut stem = free.unwrap_or(stems[0]);
+            if free.is_none() {
+                stem.depth = 0;
+            } else {
                 let outlet = map.add(line.from, None, Role::Outlet, number as u32);
                 stem.tip = map.add(stem.first_end(line.from), Some(outlet), Role::Exterior, number as u32);
             }
