@@ -82,7 +82,7 @@ impl Node for Enrich {
         // Bits for what is known, a list of rows, the crops, and the distances.
         let cost = Cost::per_sample(grid, nanoseconds).with_fields(grid, 3.1);
         let rows = 64 * grid.rows as u64;
-        Cost { bytes: cost.bytes + rows + distance::scratch(grid, self.reach.0), ..cost }
+        Cost { bytes: cost.bytes + rows + distance::scratch(grid, self.measured(grid)), ..cost }
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { height, known }: Inputs) -> Result<Outputs> {
@@ -97,7 +97,8 @@ impl Node for Enrich {
         let cols = cx.grid.cols;
         let bits = Bits::of(cols, known.data(), |k| is_known(*k));
         let enriched = land::enrich(cols, height.data().to_vec(), bits, &how, &cx.work.stage(0.0, 0.6))?;
-        let far = distance::to_set(&cx.work.stage(0.6, 0.9), &known, &cx.grid, self.reach.0, is_known)?;
+        let far =
+            distance::to_set(&cx.work.stage(0.6, 0.9), &known, &cx.grid, self.measured(&cx.grid), is_known)?;
         let (hold, reach) = (self.hold.0 as f32, self.reach.0.max(f64::MIN_POSITIVE) as f32);
         let weight = cx.stage(0.9, 1.0).fill(Quantity::Mask, |row, out: &mut [f32]| {
             for (i, (o, &d)) in out.iter_mut().zip(far.row(row.j)).enumerate() {
@@ -111,5 +112,13 @@ impl Node for Enrich {
             }
         })?;
         Ok(Outputs { height: Field::new(cx.grid, height.quantity(), enriched.field), weight })
+    }
+}
+
+impl Enrich {
+    /// Metres within which distances are measured: none on the grid is longer than its diagonal.
+    fn measured(&self, grid: &Grid) -> f64 {
+        let bounds = grid.bounds();
+        self.reach.0.min(libm::hypot(bounds.width(), bounds.depth()))
     }
 }

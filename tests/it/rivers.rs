@@ -3,5 +3,6 @@
 mod blend;
 mod carve;
 mod enrich;
+mod land;
 mod poisson;
 mod skeleton;
