@@ -1,7 +1,7 @@
 //! Rivers along curves.
 
 use crate::kit::curves::flatten::flatten;
-use crate::kit::flow::join::{Line, join};
+use crate::kit::flow::join::{Polyline, join};
 use crate::kit::flow::network::lower;
 use crate::kit::rivers::drainage;
 use crate::prelude::*;
@@ -56,8 +56,7 @@ ports! {
 impl Node for RiversFromCurves {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta =
-        Meta::new()
+    const META: Meta = Meta::new()
         .cite(&["leopold1953"])
         .keywords(&["stream", "network", "convert", "draw", "join"])
         .reads(Reads::TERRAIN);
@@ -83,7 +82,7 @@ impl Node for RiversFromCurves {
                 let [x, y] = v.at;
                 [x, y, curve.height(v.u).unwrap_or(0.0)]
             };
-            lines.push(Line(line.iter().map(corner).collect()));
+            lines.push(Polyline(line.iter().map(corner).collect()));
         }
         let joined = join(&lines, self.snap.0, &cx.work.stage(0.2, 0.5))?;
         let vertex = |&(at, down): &([f64; 3], Option<u32>)| RiverVertex {
