@@ -3,7 +3,7 @@
 use crate::files::vectors::svg::Fit;
 use crate::files::vectors::{FileLine, Laying, Property, Wanted};
 use crate::kit::curves::flatten::flatten;
-use crate::kit::flow::join::Line;
+use crate::kit::flow::join::Polyline;
 use crate::nodes::vector_file;
 use crate::prelude::*;
 use crate::value::Curve;
@@ -138,7 +138,7 @@ impl ImportRivers {
             if turned {
                 corners.reverse();
             }
-            ways.push(Line(corners));
+            ways.push(Polyline(corners));
         }
         network::of_lines(&cx.stage(0.3, 1.0), &ways, [self.snap, self.width], |message| self.fault(message))
     }

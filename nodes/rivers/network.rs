@@ -1,6 +1,6 @@
 //! What kinds that make river networks share.
 
-use crate::kit::flow::join::{Line, join};
+use crate::kit::flow::join::{Polyline, join};
 use crate::kit::flow::network::lower;
 use crate::kit::rivers::drainage;
 use crate::node::{Context, Cost, Error, Load, Result};
@@ -46,7 +46,7 @@ pub fn cost(vertices: f64, bytes: f64, microseconds: f64) -> Cost {
 /// Says as `fault` how the lines are no network; or the work was asked to stop.
 pub fn of_lines(
     cx: &Context<'_>,
-    lines: &[Line],
+    lines: &[Polyline],
     [snap, width]: [Metres; 2],
     fault: impl Fn(String) -> Error,
 ) -> Result<Rivers> {

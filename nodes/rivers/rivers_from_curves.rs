@@ -2,7 +2,7 @@
 
 use super::network;
 use crate::kit::curves::flatten::flatten;
-use crate::kit::flow::join::Line;
+use crate::kit::flow::join::Polyline;
 use crate::prelude::*;
 use crate::value::Curve;
 use crate::value::rivers::MAX_VERTICES;
@@ -81,7 +81,7 @@ impl Node for RiversFromCurves {
                 let [x, y] = v.at;
                 [x, y, curve.height(v.u).unwrap_or(0.0)]
             };
-            lines.push(Line(line.iter().map(corner).collect()));
+            lines.push(Polyline(line.iter().map(corner).collect()));
         }
         let wrong = |message: String| Error::Input { port: "curves".into(), message };
         let rivers = network::of_lines(&cx.stage(0.2, 1.0), &lines, [self.snap, self.width], wrong)?;

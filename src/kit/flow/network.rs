@@ -1,6 +1,7 @@
 //! From the cells of rivers to a network of vertices.
 
-use super::streams::Reach;
+use super::flats::LOOK;
+use super::streams::StreamCell;
 use super::surface::Surface;
 use crate::kit::rivers::drainage::width;
 use crate::value::{Grid, RiverVertex};
@@ -17,33 +18,33 @@ pub struct Style {
     pub falls: bool,
 }
 
-/// A vertex for each reach: where its cell stands, at the height of its ground or of the sea. `area` gives the area in
-/// square metres that drains through a cell.
+/// A vertex for each cell of a stream: where the cell stands, at the height of its ground or of the sea. `area` gives the
+/// area in square metres that drains through a cell.
 ///
 /// # Errors
 /// [`Cancelled`] when the work was asked to stop.
 pub fn vertices(
     surface: &Surface<'_>,
     grid: &Grid,
-    reaches: &[Reach],
+    stream: &[StreamCell],
     area: impl Fn(usize) -> f64,
     style: Style,
     work: &Work<'_>,
 ) -> Result<Vec<RiverVertex>, Cancelled> {
     let cols = grid.cols.max(1);
-    let vertex = |reach: &Reach| {
-        let cell = reach.cell as usize;
+    let vertex = |of: &StreamCell| {
+        let cell = of.cell as usize;
         let area = area(cell);
         RiverVertex {
             at: [grid.x(cell % cols), grid.y(cell / cols)],
             height: f64::from(surface.at(cell).max(surface.sea())),
-            down: reach.down,
+            down: of.down,
             area: area as f32,
             width: width(area, style.width) as f32,
             ..RiverVertex::default()
         }
     };
-    let mut vertices: Vec<RiverVertex> = reaches.iter().map(vertex).collect();
+    let mut vertices: Vec<RiverVertex> = stream.iter().map(vertex).collect();
     if style.falls {
         lower(&mut vertices);
     }
@@ -79,8 +80,11 @@ fn smooth(vertices: &mut [RiverVertex], rounds: u32, work: &Work<'_>) -> Result<
     for round in 0..rounds {
         work.step(round as f32 / rounds as f32)?;
         let before: Vec<[f64; 2]> = vertices.iter().map(|vertex| vertex.at).collect();
-        for (i, vertex) in vertices.iter_mut().enumerate().filter(|(i, _)| above[*i] < SEVERAL) {
-            let Some(down) = vertex.down else { continue };
+        for (i, vertex) in vertices.iter_mut().enumerate() {
+            if i % LOOK == 0 {
+                work.check()?;
+            }
+            let Some(down) = vertex.down.filter(|_| above[i] < SEVERAL) else { continue };
             let [a, b] = [before[down as usize], before[above[i] as usize]];
             vertex.at = [0, 1].map(|k| (a[k] + 2.0 * before[i][k] + b[k]) / 4.0);
         }
