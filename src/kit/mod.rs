@@ -8,6 +8,8 @@ pub mod derivative;
 pub mod diffusion;
 pub mod distance;
 pub mod far;
+pub mod flow;
+pub mod geomorphometry;
 pub mod hash;
 pub mod math;
 pub mod median;
