@@ -30,7 +30,8 @@ pub mod prelude {
     pub use crate::ports::Meaning;
     pub use crate::units::{Degrees, FilePath, Metres, Number, PerMetre, Ratio, Seed};
     pub use crate::value::{
-        Colors, Constraints, Curves, Field, Grid, Object, Quantity, Raster, Terrain, Value, Vectors,
+        Colors, Constraints, Curves, Field, Grid, Object, Quantity, Raster, Ridges, Rivers, Terrain, Value,
+        Vectors,
     };
     pub use crate::widget::Widget;
     pub use orograph_base::ports;

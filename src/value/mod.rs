@@ -7,6 +7,8 @@ mod grid;
 mod object;
 mod quantity;
 mod raster;
+mod ridges;
+pub mod rivers;
 mod terrain;
 
 pub use constraints::{Constraints, Mark, Planes};
@@ -18,6 +20,8 @@ pub use object::{
 };
 pub use quantity::{Lift, Quantity};
 pub use raster::{Colors, Field, Raster, Sample, Vectors};
+pub use ridges::{MAX_RIDGES, RidgeEdge, RidgeFault, RidgeVertex, Ridges};
+pub use rivers::{RiverFault, RiverVertex, Rivers};
 pub use terrain::{Geo, MAX_BASE, MAX_EXTENT, MAX_SIZE, MIN_SIZE, Terrain};
 
 /// The type of a wire: what a port takes or gives.
