@@ -5,7 +5,7 @@ mod table;
 
 use std::path::Path;
 
-use serde_json::{Value as Json, json};
+use serde_json::{Map, Value as Json, json};
 
 use super::args::{EngineArgs, GraphArgs, GridArgs, parse_finite, parse_positive};
 use super::exit::{Exit, Stop, print_json, print_lines, tell};
@@ -18,10 +18,10 @@ use super::{heed, height};
 use crate::engine::{Engine, Options, Want};
 use crate::files::HeightFile;
 use crate::graph::Graph;
-use crate::kit::geomorphometry::{self, Figures, Land};
+use crate::kit::geomorphometry::{self, Figures, Land, RiverFigures};
 use crate::node::Cancel;
 use crate::nodes::Registry;
-use crate::value::{Field, Quantity, Value, WireType};
+use crate::value::{Object as _, Quantity, Rivers, Value, WireType};
 use crate::work::Work;
 use models::Models;
 
@@ -74,40 +74,52 @@ fn sea(text: &str) -> Result<Sea, String> {
     parse_finite(text).map(|level| Sea(Some(level))).map_err(|e| format!("{e}; or `none`"))
 }
 
-/// Land with the level of the sea around it.
-struct Subject {
-    land: Land,
-    sea: Option<f64>,
-    /// The output of the graph that was measured.
-    output: Option<String>,
+/// What is to be measured.
+enum Subject {
+    /// Heights, and the level of the sea around them.
+    Land { land: Land, sea: Option<f64> },
+    /// A network of rivers.
+    Rivers(Rivers),
+}
+
+/// Figures as JSON, of rounded numbers, with the models to hold them against.
+struct Measured {
+    figures: Map<String, Json>,
+    models: Models,
 }
 
 pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
     args.refuse()?;
     let progress = Progress::new(args.progress);
-    let measured = if is_graph(&args.graph.graph) {
+    let is_graph = is_graph(&args.graph.graph);
+    let given = if is_graph {
         from_graph(args, registry, &progress, cancel)
     } else {
-        from_file(args, cancel)
-    }
-    .and_then(|subject| measure(args, subject, &progress, cancel));
+        from_file(args, cancel).map(|subject| (subject, None))
+    };
+    let measured = given.and_then(|(subject, output)| {
+        let measured = match subject {
+            Subject::Land { land, sea } => measure_land(args, land, sea, is_graph, &progress, cancel),
+            Subject::Rivers(rivers) => measure_rivers(args, &rivers),
+        };
+        measured.map(|measured| (measured, output))
+    });
     progress.end();
-    let Measured { figures, sea, output, averaged } = measured?;
-    let models = Models::near(figures.cell);
-    let name = args.graph.graph.to_string_lossy();
-    let figures = rounded(json!(figures));
-    if args.json {
-        let mut found = json!({ "file": name, "output": output, "sea": sea, "averaged": averaged });
-        if let (Some(found), Json::Object(figures)) = (found.as_object_mut(), figures) {
-            let compared = table::compared(&Json::Object(figures.clone()), &models);
-            found.extend(figures);
-            found.insert("models".to_owned(), json!(models.names()));
-            found.insert("compared".to_owned(), compared);
-        }
-        return print_json(&found);
+    let (Measured { figures, models }, output) = measured?;
+    let file = args.graph.graph.to_string_lossy();
+    let figures = Json::Object(figures);
+    if !args.json {
+        let title = output.map_or_else(|| file.to_string(), |output| format!("output {output} of {file}"));
+        return print_lines(table::lines(&title, &figures, &models));
     }
-    let title = output.map_or_else(|| name.to_string(), |output| format!("output {output} of {name}"));
-    print_lines(table::lines(&title, sea, &figures, &models))
+    let compared = table::compared(&figures, &models);
+    let mut all = json!({ "file": file, "output": output });
+    let rest = json!({ "models": models.names(), "compared": compared });
+    if let (Json::Object(all), Json::Object(figures), Json::Object(rest)) = (&mut all, figures, rest) {
+        all.extend(figures);
+        all.extend(rest);
+    }
+    print_json(&all)
 }
 
 impl Args {
@@ -139,35 +151,59 @@ impl Args {
     }
 }
 
-/// Figures, and what they are of.
-struct Measured {
-    figures: Figures,
+/// The figures of land, after the averaging and without the sea.
+fn measure_land(
+    args: &Args,
+    land: Land,
     sea: Option<f64>,
-    output: Option<String>,
-    /// Side, in cells of the input, of the blocks that were averaged.
-    averaged: usize,
-}
-
-fn measure(args: &Args, subject: Subject, progress: &Progress, cancel: &Cancel) -> Result<Measured, Stop> {
-    let Subject { land, sea, output } = subject;
+    is_graph: bool,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Measured, Stop> {
     let averaged = args.target_cell.map_or(1, |target| land.block(target));
     if let Some(target) = args.target_cell.filter(|_| averaged == 1) {
+        let cell = land.cell();
         progress.say(&format!(
-            "note: cells of {} m are left as they are: blocks of two by two are farther from {target} m",
-            land.cell()
+            "note: cells of {cell} m are left as they are: twice that is too far from {target} m"
         ));
     }
-    let land = land.averaged(averaged);
-    let land = sea.map_or(land.clone(), |level| land.above_sea(level));
-    let of = |share: f32| progress.share("measures the land", share);
-    let work = Work::new(cancel).telling(&of);
+    let mut land = land.averaged(averaged);
+    if let Some(level) = sea {
+        land = land.above_sea(level);
+    }
+    let share = |share: f32| progress.share("measures the land", share);
+    let work = Work::new(cancel).telling(&share);
     let figures = Figures::of(&land, args.channel, &work).map_err(|e| Stop::new(Exit::Cancelled, e))?;
     let figures = figures.ok_or_else(|| {
-        let exit = if output.is_some() { Exit::Failed } else { Exit::Input };
-        let below = sea.map_or_else(String::new, |level| format!(" or not above the sea at {level} m"));
-        Stop::new(exit, format!("there is no land to measure: every cell is a void{below}"))
+        let exit = if is_graph { Exit::Failed } else { Exit::Input };
+        let sunk = sea.map_or_else(String::new, |level| format!(" or not above the sea at {level} m"));
+        Stop::new(exit, format!("there is no land to measure: every cell is void{sunk}"))
     })?;
-    Ok(Measured { figures, sea, output, averaged })
+    let models = Models::near(figures.cell);
+    Ok(Measured::new(json!({ "sea": sea, "averaged": averaged }), json!(figures), models))
+}
+
+/// The figures of rivers.
+fn measure_rivers(args: &Args, rivers: &Rivers) -> Result<Measured, Stop> {
+    let given = heed::given([
+        ("--sea", args.sea.is_some()),
+        ("--target-cell", args.target_cell.is_some()),
+        ("--channel", args.channel.is_some()),
+    ]);
+    heed::refuse(given, "heights, and the output is rivers")?;
+    let figures = RiverFigures::of(rivers);
+    let figures = figures.ok_or_else(|| Stop::new(Exit::Failed, "there is no river to measure"))?;
+    Ok(Measured::new(json!({}), json!(figures), Models::all()))
+}
+
+impl Measured {
+    fn new(about: Json, figures: Json, models: Models) -> Self {
+        let all = [about, rounded(figures)].into_iter().filter_map(|part| match part {
+            Json::Object(part) => Some(part),
+            _ => None,
+        });
+        Self { figures: all.flatten().collect(), models }
+    }
 }
 
 fn from_graph(
@@ -175,7 +211,7 @@ fn from_graph(
     registry: &Registry,
     progress: &Progress,
     cancel: &Cancel,
-) -> Result<Subject, Stop> {
+) -> Result<(Subject, Option<String>), Stop> {
     let Opened { graph, files, problems, .. } = open::open(&args.graph, registry)?;
     problems.iter().filter(|p| p.is_error()).for_each(|p| progress.say(&format!("error: {p}")));
     let (_, window) = args.grid.grids(graph.terrain())?;
@@ -199,41 +235,39 @@ fn from_graph(
     let value = evaluation.values.into_iter().next();
     let value = value.ok_or_else(|| Stop::new(Exit::Failed, "the output gives nothing"))?;
     let value = value.map_err(|f| Stop::new(Exit::of(&f), f))?;
-    let land = land(&name, &value)?;
-    Ok(Subject { land, sea: args.sea_or(graph.terrain().sea_level), output: Some(name) })
+    let subject = subject(&name, &value, args.sea_or(graph.terrain().sea_level))?;
+    Ok((subject, Some(name)))
 }
 
-/// The first output of a graph that is heights.
+/// The first output of a graph that is heights, or else the first that is rivers.
 fn first(graph: &Graph, wanted: impl Fn(&str) -> Option<Want>) -> Result<(String, Want), Stop> {
     let quantities = graph.quantities();
     let names = chosen(graph, &[])?;
-    let all = names.into_iter().filter_map(|name| wanted(&name).map(|want| (name, want)));
-    let mut heights = all.filter(|(_, want)| {
-        graph.wire_type(&want.source()) == Some(WireType::Field)
-            && quantities.get(graph, &want.source()) == Some(Quantity::Elevation)
-    });
-    heights
-        .next()
-        .ok_or_else(|| Stop::usage("the graph has no output that is heights; name another with --output"))
+    let all: Vec<_> = names.into_iter().filter_map(|name| wanted(&name).map(|want| (name, want))).collect();
+    let is_height = |want: &Want| quantities.get(graph, &want.source()) == Some(Quantity::Elevation);
+    let is_rivers = |want: &Want| graph.wire_type(&want.source()) == Some(WireType::Object(Rivers::TYPE));
+    let found = all.iter().find(|(_, want)| is_height(want));
+    let found = found.or_else(|| all.iter().find(|(_, want)| is_rivers(want)));
+    found.cloned().ok_or_else(|| Stop::usage("the graph has no output that is heights or rivers"))
 }
 
-/// The land that an output gives.
-fn land(name: &str, value: &Value) -> Result<Land, Stop> {
+/// What an output gives to be measured.
+fn subject(name: &str, value: &Value, sea: Option<f64>) -> Result<Subject, Stop> {
+    if let Some(rivers) = value.object::<Rivers>() {
+        return Ok(Subject::Rivers(rivers.clone()));
+    }
     match value {
-        Value::Field(field) if field.quantity() == Quantity::Elevation => Ok(of_field(field)),
-        Value::Field(field) => Err(Stop::usage(format!(
-            "--output must name heights, and `{name}` is {}",
-            field.quantity().described()
-        ))),
+        Value::Field(field) if field.quantity() == Quantity::Elevation => {
+            let grid = field.grid();
+            let land = Land::new(grid.cols, grid.rows, grid.cell(), field.data().to_vec());
+            Ok(Subject::Land { land, sea })
+        }
         other => {
-            Err(Stop::usage(format!("--output must name heights, and `{name}` is {}", other.wire_type())))
+            let what =
+                other.quantity().map_or_else(|| other.wire_type().name().to_owned(), Quantity::described);
+            Err(Stop::usage(format!("--output must name heights or rivers, and `{name}` is {what}")))
         }
     }
-}
-
-fn of_field(field: &Field) -> Land {
-    let grid = field.grid();
-    Land::new(grid.cols, grid.rows, grid.cell(), field.data().to_vec())
 }
 
 fn from_file(args: &Args, cancel: &Cancel) -> Result<Subject, Stop> {
@@ -259,7 +293,7 @@ fn from_file(args: &Args, cancel: &Cancel) -> Result<Subject, Stop> {
     };
     let land =
         height::read_with(path, &args.read.reading(path)?, budget, geomorphometry::BYTES, cancel, work)?;
-    Ok(Subject { land, sea: args.sea_or(None), output: None })
+    Ok(Subject::Land { land, sea: args.sea_or(None) })
 }
 
 /// The side of a square as large as a cell.

@@ -2,6 +2,7 @@
 
 mod names;
 mod options;
+mod stats;
 
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};

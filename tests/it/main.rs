@@ -13,6 +13,7 @@ mod farm;
 mod files;
 mod filters;
 mod generate;
+mod geomorphometry;
 mod golden;
 mod graph;
 mod growth;

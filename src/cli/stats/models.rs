@@ -37,6 +37,10 @@ impl Models {
         Self(ALL.1.iter().filter(is_near).collect())
     }
 
+    pub(super) fn all() -> Self {
+        Self(ALL.1.iter().collect())
+    }
+
     pub(super) fn names(&self) -> Vec<&'static str> {
         self.0.iter().map(|model| model.name).collect()
     }

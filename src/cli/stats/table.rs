@@ -175,8 +175,8 @@ const VALUE: usize = 16;
 const RANGE: usize = 22;
 
 /// The figures in groups, with the ranges of real land.
-pub(super) fn lines(title: &str, sea: Option<f64>, figures: &Json, models: &Models) -> Vec<String> {
-    let mut lines = vec![format!("figures of {title}"), size(sea, figures), String::new()];
+pub(super) fn lines(title: &str, figures: &Json, models: &Models) -> Vec<String> {
+    let mut lines = vec![format!("figures of {title}"), size(figures), String::new()];
     let real = match (models.cells(), models.names().len()) {
         (Some([low, high]), count) => {
             format!("{count} real models, cells of {} to {} m", short(low), short(high))
@@ -196,19 +196,24 @@ pub(super) fn lines(title: &str, sea: Option<f64>, figures: &Json, models: &Mode
     lines
 }
 
-/// What was measured: cells, extent, land and sea.
-fn size(sea: Option<f64>, figures: &Json) -> String {
-    let number = |id: &str| figures.pointer(id).and_then(Json::as_f64).unwrap_or(0.0);
-    let (cols, rows, cell) = (number("/samples/0"), number("/samples/1"), number("/cell"));
-    let extent = |n: f64| short(n * cell / 1000.0);
-    let sea = sea.map_or_else(String::new, |level| format!(", sea at {} m", short(level)));
-    format!(
-        "{cols} x {rows} cells of {} m, {} x {} km, land {} %{sea}",
-        short(cell),
-        extent(cols),
-        extent(rows),
-        short(100.0 * number("/land"))
-    )
+/// What was measured: cells, extent, land and sea; or vertices and lengths.
+fn size(figures: &Json) -> String {
+    let number = |id: &str| figures.pointer(id).and_then(Json::as_f64);
+    let [cols, rows, cell, land] =
+        ["/samples/0", "/samples/1", "/cell", "/land"].map(|id| number(id).unwrap_or_default());
+    let kilometres = |metres: f64| short(metres / 1000.0);
+    if let [Some(vertices), Some(outlets), Some(length), Some(longest)] =
+        ["/vertices", "/outlets", "/length", "/longest"].map(number)
+    {
+        let (length, longest) = (kilometres(length), kilometres(longest));
+        return format!(
+            "{vertices} vertices, {outlets} outlets, {length} km of rivers, the longest {longest} km"
+        );
+    }
+    let sea = number("/sea").map_or_else(String::new, |level| format!(", sea at {} m", short(level)));
+    let (cell_text, land) = (short(cell), short(100.0 * land));
+    let (wide, deep) = (kilometres(cols * cell), kilometres(rows * cell));
+    format!("{cols} x {rows} cells of {cell_text} m, {wide} x {deep} km, land {land} %{sea}")
 }
 
 fn line(row: &Row, figures: &Json, models: &Models) -> Option<String> {

@@ -63,9 +63,9 @@ impl<'a> Filled<'a> {
     pub(super) fn figures(&self, relief: f64, work: &Work<'_>) -> Result<Depressions, Cancelled> {
         let land = self.land;
         let count = land.count() as f64;
-        let cells: Vec<usize> = (0..self.level.len()).filter(|cell| self.is_filled(*cell)).collect();
+        let filled = (0..self.level.len()).filter(|cell| self.is_filled(*cell));
+        let mut depths: Vec<f32> = filled.map(|cell| self.depth(cell) as f32).collect();
         work.check()?;
-        let mut depths: Vec<f32> = cells.into_iter().map(|cell| self.depth(cell) as f32).collect();
         let [volume] = sums(&depths, |depth| [f64::from(*depth)]);
         let level = self.is_level.par_iter().filter(|is| **is).count() as f64;
         work.check()?;

@@ -9,7 +9,7 @@
 //! - [`Curvature`]: whether ridges or valleys are the sharper.
 //! - [`Depressions`]: how much of it has no way down.
 //! - [`Channels`]: how its streams run, and how steep they are for what they drain.
-//! - [`Network`]: how its streams branch.
+//! - [`Network`]: how its streams branch; [`RiverFigures`] has the same of a network that was drawn.
 //!
 //! Almost every figure changes with the size of a cell, so that land is compared with land of about the same cell and
 //! extent in cells; [`Land::averaged`] makes cells larger.
@@ -26,6 +26,7 @@ mod land;
 mod line;
 mod network;
 mod rectangle;
+mod rivers;
 mod spectrum;
 mod sums;
 
@@ -39,6 +40,7 @@ pub use hypsometry::Hypsometry;
 pub use land::Land;
 pub use line::Fit;
 pub use network::{Network, Node, Order, Tokunaga};
+pub use rivers::RiverFigures;
 pub use spectrum::Spectrum;
 
 use crate::kit::flow::{self, Surface, Tree, accumulate};
