@@ -54,6 +54,20 @@ registry! {
         transform_curves: TransformCurves,
     }
 
+    /// Makes land of rivers, and follows water over any land.
+    rivers {
+        curves_from_rivers: CurvesFromRivers,
+        extract_ridges: ExtractRidges,
+        extract_rivers: ExtractRivers,
+        fill_depressions: FillDepressions,
+        flow_routing: FlowRouting,
+        lakes: Lakes,
+        rivers_from_curves: RiversFromCurves,
+        water_depth: WaterDepth,
+        watersheds: Watersheds,
+        wetness: Wetness,
+    }
+
     /// Puts two fields together.
     blend {
         combine: Combine,

@@ -44,6 +44,8 @@ macro_rules! units {
 units! {
     /// A length, distance or height, in metres.
     Metres = "m", -2.0e7, 2.0e7;
+    /// An area, in square metres.
+    SquareMetres = "m2", 0.0, 4.0e14;
     /// An angle, in degrees.
     Degrees = "deg", -360.0, 360.0;
     /// A share from 0 to 1.

@@ -46,6 +46,21 @@ pub fn map(
     })
 }
 
+/// A field of a function of the index of each sample, row by row from 0.
+///
+/// # Errors
+/// [`Cancelled`] when the work was asked to stop.
+pub fn by_index(
+    work: &Work<'_>,
+    grid: &Grid,
+    quantity: Quantity,
+    f: impl Fn(usize) -> f32 + Sync,
+) -> Result<Field, Cancelled> {
+    fill(work, *grid, quantity, |row: Row, out| {
+        out.iter_mut().zip(row.j * grid.cols..).for_each(|(o, i)| *o = f(i));
+    })
+}
+
 /// Applies a function to every pair of samples on a grid.
 ///
 /// # Errors

@@ -66,6 +66,10 @@ quantities! {
     Curvature: "curvature", "1/m", Spline, signed;
     /// An area in square metres.
     Area: "area", "m2", Linear, unsigned;
+    /// A distance or depth in metres, nowhere below 0.
+    Distance: "distance", "m", Linear, unsigned;
+    /// Water that passes in a second, in cubic metres.
+    Flow: "flow", "m3/s", Linear, unsigned;
     /// A plain number.
     Number: "number", "1", Spline, signed;
     /// A whole number that names something; never averaged.

@@ -11,6 +11,7 @@ mod diffusion;
 mod engine;
 mod farm;
 mod files;
+mod flow;
 mod filters;
 mod generate;
 mod geomorphometry;

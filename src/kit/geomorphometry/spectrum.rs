@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use realfft::num_complex::Complex64;
-use realfft::{FftPlanner, RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
 use serde::Serialize;
 
 use super::Land;
@@ -121,16 +121,16 @@ struct Power {
 impl Power {
     fn of(land: &Land, window: &Rectangle, plane: &Plane, work: &Work<'_>) -> Result<Self, Cancelled> {
         let [cols, rows] = window.size();
-        let mut planner = RealFftPlanner::<f64>::new();
+        let mut planner = FftPlanner::<f64>::new();
         let along = planner.plan_fft_forward(cols);
         let waves = transform_rows(land, window, plane, &along, &work.stage(0.0, 0.5))?;
         let half = cols / 2 + 1;
-        let down = FftPlanner::<f64>::new().plan_fft_forward(rows);
+        let down = planner.plan_fft_forward(rows);
         let strips: Vec<usize> = (0..half).step_by(STRIP).collect();
         let share = ((cols * rows) as f64).recip();
         let edges = edges(cols.min(rows));
         let done = AtomicUsize::new(0);
-        let strip = |&first: &usize| {
+        let strip = |&first: &usize| -> Result<Strip, Cancelled> {
             let mut scratch = vec![Complex64::default(); down.get_inplace_scratch_len()];
             let mut column = vec![Complex64::default(); rows];
             let mut found = Strip::default();
@@ -234,19 +234,19 @@ fn transform_rows(
     land: &Land,
     window: &Rectangle,
     plane: &Plane,
-    along: &Arc<dyn RealToComplex<f64>>,
+    along: &Arc<dyn Fft<f64>>,
     work: &Work<'_>,
 ) -> Result<Vec<Complex64>, Cancelled> {
     let [cols, rows] = window.size();
     let (across, deep) = (hann(cols), hann(rows));
     let mut waves = vec![Complex64::default(); (cols / 2 + 1) * rows];
     work.rows(&mut waves, cols / 2 + 1, 16, |j, out| {
-        let mut scratch = along.make_scratch_vec();
+        let mut scratch = vec![Complex64::default(); along.get_inplace_scratch_len()];
         let heights = &land.row(window.rows[0] + j)[window.cols[0]..window.cols[1]];
         let weighted = |(i, z): (usize, &f32)| (f64::from(*z) - plane.at(i, j)) * across[i] * deep[j];
-        let mut row: Vec<f64> = heights.iter().enumerate().map(weighted).collect();
-        let done = along.process_with_scratch(&mut row, out, &mut scratch);
-        debug_assert!(done.is_ok(), "the buffers have the lengths of the plan");
+        let mut row: Vec<Complex64> = heights.iter().enumerate().map(weighted).map(Complex64::from).collect();
+        along.process_with_scratch(&mut row, &mut scratch);
+        out.copy_from_slice(&row[..cols / 2 + 1]);
     })?;
     Ok(waves)
 }

@@ -1,0 +1,107 @@
+//! From the cells of rivers to a network of vertices.
+
+use super::streams::Reach;
+use super::surface::Surface;
+use crate::value::{Grid, RiverVertex};
+use crate::work::{Cancelled, Work};
+
+/// How the vertices of a network are made of cells.
+#[derive(Clone, Copy, Debug)]
+pub struct Style {
+    /// Standard deviation of the Gaussian that rounds the steps of the ways over the grid, in metres.
+    pub smoothing: f64,
+    /// Width of a river that drains a square kilometre, in metres; it grows with the root of the area.
+    pub width: f64,
+    /// Whether beds fall all the way: ways over a pass climb, and are lowered to what lies above them.
+    pub falls: bool,
+}
+
+/// Width of a river by the area that it drains, in metres and square metres, from that at a square kilometre: the
+/// hydraulic geometry `w ~ √Q` \[leopold1953\].
+pub fn width(at_square_kilometre: f64, area: f64) -> f64 {
+    at_square_kilometre * (area * 1e-6).max(0.0).sqrt()
+}
+
+/// A vertex for each reach: where its cell stands, at the height of its ground or of the sea. `area` gives the area in
+/// square metres that drains through a cell.
+///
+/// # Errors
+/// [`Cancelled`] when the work was asked to stop.
+pub fn vertices(
+    surface: &Surface<'_>,
+    grid: &Grid,
+    reaches: &[Reach],
+    area: impl Fn(usize) -> f64,
+    style: Style,
+    work: &Work<'_>,
+) -> Result<Vec<RiverVertex>, Cancelled> {
+    let cols = grid.cols.max(1);
+    let vertex = |reach: &Reach| {
+        let cell = reach.cell as usize;
+        let area = area(cell);
+        RiverVertex {
+            at: [grid.x(cell % cols), grid.y(cell / cols)],
+            height: f64::from(surface.at(cell).max(surface.sea())),
+            down: reach.down,
+            area: area as f32,
+            width: width(style.width, area) as f32,
+            ..RiverVertex::default()
+        }
+    };
+    let mut vertices: Vec<RiverVertex> = reaches.iter().map(vertex).collect();
+    if style.falls {
+        lower(&mut vertices);
+    }
+    // Each round of a quarter, a half and a quarter has a variance of half a step.
+    let steps = style.smoothing / grid.cell();
+    let rounds = (2.0 * steps * steps).ceil().clamp(0.0, 1000.0) as u32;
+    smooth(&mut vertices, rounds, work)?;
+    Ok(vertices)
+}
+
+/// Lowers vertices, which stand downstream first, to those above them.
+pub fn lower(vertices: &mut [RiverVertex]) {
+    for upper in (0..vertices.len()).rev() {
+        let height = vertices[upper].height;
+        if let Some(down) = vertices[upper].down {
+            let lower = &mut vertices[down as usize].height;
+            *lower = lower.min(height);
+        }
+    }
+}
+
+/// Gives vertices, which stand downstream first, the area of a strip of land of a width in metres along all river above.
+pub fn drain_strips(vertices: &mut [RiverVertex], width: f64) {
+    let mut areas = vec![0.0; vertices.len()];
+    for upper in (0..vertices.len()).rev() {
+        let vertex = vertices[upper];
+        if let Some(down) = vertex.down.map(|down| down as usize) {
+            let [x, y] = [0, 1].map(|k| vertex.at[k] - vertices[down].at[k]);
+            areas[down] += areas[upper] + width * libm::hypot(x, y);
+        }
+    }
+    vertices.iter_mut().zip(areas).for_each(|(vertex, area)| vertex.area = area as f32);
+}
+
+/// Moves vertices towards their neighbours along the river, but for sources, mouths and confluences.
+fn smooth(vertices: &mut [RiverVertex], rounds: u32, work: &Work<'_>) -> Result<(), Cancelled> {
+    const SEVERAL: u32 = u32::MAX - 1;
+    const NOTHING: u32 = u32::MAX;
+    let mut above = vec![NOTHING; vertices.len()];
+    for (i, vertex) in vertices.iter().enumerate() {
+        if let Some(down) = vertex.down {
+            let above = &mut above[down as usize];
+            *above = if *above == NOTHING { i as u32 } else { SEVERAL };
+        }
+    }
+    for round in 0..rounds {
+        work.step(round as f32 / rounds as f32)?;
+        let before: Vec<[f64; 2]> = vertices.iter().map(|vertex| vertex.at).collect();
+        for (i, vertex) in vertices.iter_mut().enumerate().filter(|(i, _)| above[*i] < SEVERAL) {
+            let Some(down) = vertex.down else { continue };
+            let [a, b] = [before[down as usize], before[above[i] as usize]];
+            vertex.at = [0, 1].map(|k| (a[k] + 2.0 * before[i][k] + b[k]) / 4.0);
+        }
+    }
+    Ok(())
+}
