@@ -168,6 +168,12 @@ fn measure_land(
         ));
     }
     let mut land = land.averaged(averaged);
+    let (cols, rows, most) = (land.cols(), land.rows(), geomorphometry::MOST_CELLS);
+    if cols * rows > most {
+        let message =
+            format!("{cols} x {rows} cells are over the limit of {most}; --target-cell makes them fewer");
+        return Err(Stop::new(Exit::Input, message));
+    }
     if let Some(level) = sea {
         land = land.above_sea(level);
     }

@@ -1,7 +1,6 @@
 //! How channels run over land whose depressions are filled.
 
 use std::collections::BTreeMap;
-use std::ops::AddAssign;
 
 use serde::Serialize;
 
@@ -169,13 +168,11 @@ impl<'a> Course<'a> {
 
     /// The exponent of the longest way upstream.
     fn hack(&self, work: &Work<'_>) -> Result<Option<Fit>, Cancelled> {
-        let distance = self.tree.distance(&work.stage(0.0, 0.5))?;
-        let farthest: Vec<Farthest> = distance.into_iter().map(|d| Farthest(d as f32)).collect();
-        let own: Vec<f32> = self.channels().map(|cell| farthest[cell].0).collect();
-        let farthest = accumulate::along(self.tree, farthest, &work.stage(0.5, 1.0))?;
-        let ways = self.channels().zip(own);
-        let ways =
-            ways.map(|(cell, own)| [self.square_metres(cell), f64::from(farthest[cell].0) - f64::from(own)]);
+        let none = vec![0.0f32; self.area.len()];
+        let climb =
+            |cell: usize, way: f32, down: &mut f32| *down = down.max(way + self.tree.length(cell) as f32);
+        let longest = accumulate::downwards(self.tree, none, climb, work)?;
+        let ways = self.channels().map(|cell| [self.square_metres(cell), f64::from(longest[cell])]);
         let ways = ways.filter(|[_, way]| *way > 0.0).map(|[area, way]| [area, way.max(self.cell)]);
         let points = binned(ways, median).into_iter().map(|[area, way]| [area, libm::log10(way)]);
         let points: Vec<_> = points.collect();
@@ -202,16 +199,6 @@ impl<'a> Course<'a> {
             [all + 1, turns + usize::from(to[cell] != to[down])]
         });
         (turns > 0).then(|| all as f64 / turns as f64)
-    }
-}
-
-/// A distance of which the larger counts where two come together.
-#[derive(Clone, Copy)]
-struct Farthest(f32);
-
-impl AddAssign for Farthest {
-    fn add_assign(&mut self, other: Self) {
-        self.0 = self.0.max(other.0);
     }
 }
 

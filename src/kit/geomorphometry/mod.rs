@@ -49,6 +49,9 @@ use crate::work::{Cancelled, Work};
 /// Bytes a cell of land that [`Figures::of`] takes beside the heights, at most.
 pub const BYTES: u64 = 40;
 
+/// Most cells of land that [`Figures::of`] measures.
+pub const MOST_CELLS: usize = 1 << 28;
+
 /// Drained area, in cells, from which a cell is a channel where nothing else is said.
 pub const CHANNEL: u32 = 200;
 
@@ -85,6 +88,9 @@ impl Figures {
     ///
     /// # Errors
     /// [`Cancelled`] when the work was asked to stop.
+    ///
+    /// # Panics
+    /// When there are more than [`MOST_CELLS`] cells: that is a bug of the caller.
     pub fn of(land: &Land, channel: Option<f64>, work: &Work<'_>) -> Result<Option<Self>, Cancelled> {
         let Some(hypsometry) = Hypsometry::of(land) else { return Ok(None) };
         work.step(0.05)?;
@@ -126,7 +132,7 @@ fn drainage(
     let depressions = filled.figures(relief, work)?;
     let tree = Tree::of(&surface.with_height(&level), &work.stage(0.3, 0.5))?;
     let is_land = |cell: usize| land.heights()[cell].is_finite();
-    let area = accumulate::cells(&tree, is_land, &work.stage(0.5, 0.6))?;
+    let area = accumulate::count(&tree, is_land, &work.stage(0.5, 0.6))?;
     let threshold = channel.unwrap_or(f64::from(CHANNEL) * cell * cell);
     // A quotient such as 0.3 / 0.1 may fall just short of the whole number it stands for.
     let cells = (threshold / (cell * cell) - 1e-9).ceil().max(1.0) as u32;
