@@ -55,14 +55,18 @@ registry! {
     }
 
     /// Makes land of rivers, and follows water over any land.
-    rivers {
+    rivers with network {
         curves_from_rivers: CurvesFromRivers,
         extract_ridges: ExtractRidges,
         extract_rivers: ExtractRivers,
         fill_depressions: FillDepressions,
         flow_routing: FlowRouting,
+        infill_rivers: InfillRivers,
         lakes: Lakes,
+        river_profile: RiverProfile,
         rivers_from_curves: RiversFromCurves,
+        tokunaga_rivers: TokunagaRivers,
+        voronoi_ridges: VoronoiRidges,
         water_depth: WaterDepth,
         watersheds: Watersheds,
         wetness: Wetness,

@@ -26,7 +26,7 @@ pub struct ExtractRivers {
     #[schemars(range(min = 1.0, max = 1e12), extend("x-soft" = [1e4, 1e7], "x-log" = true))]
     pub threshold: SquareMetres,
     /// Width of a river that drains a square kilometre.
-    #[schemars(range(min = 0.0, max = 1000.0), extend("x-soft" = [0.0, 50.0]))]
+    #[schemars(range(min = 0.0, max = 1000.0), extend("x-soft" = [0.5, 20.0]))]
     pub width: Metres,
     /// How far along the river its line is smoothed; none for two cells of the base grid.
     #[schemars(range(min = 0.0, max = 10_000.0), extend("x-soft" = [0.0, 200.0]))]
@@ -35,7 +35,7 @@ pub struct ExtractRivers {
 
 impl Default for ExtractRivers {
     fn default() -> Self {
-        Self { threshold: SquareMetres(500_000.0), width: Metres(4.0), smoothing: None }
+        Self { threshold: SquareMetres(500_000.0), width: Metres(2.5), smoothing: None }
     }
 }
 
@@ -96,16 +96,15 @@ pub(super) fn extract(
     let is_river = |i: usize| surface.is_land(i) && area(i) >= threshold;
     let mask = |i: usize| f32::from(u8::from(is_river(i)));
     let mask = by_index(&cx.work.stage(0.7, 0.75), &cx.grid, Quantity::Mask, mask)?;
-    let reaches = streams::trace(&tree, is_river, &cx.work.stage(0.75, 0.9))?;
-    if reaches.len() > MAX_VERTICES {
-        let message = format!("must leave at most {MAX_VERTICES} samples of rivers, got {}", reaches.len());
+    let stream = streams::trace(&tree, is_river, &cx.work.stage(0.75, 0.9))?;
+    if stream.len() > MAX_VERTICES {
+        let message = format!("must leave at most {MAX_VERTICES} samples of rivers, got {}", stream.len());
         return Err(Error::Parameter { name: "threshold".into(), message });
     }
-    Ok((network::vertices(surface, &cx.grid, &reaches, area, style, &cx.work.stage(0.9, 1.0))?, mask))
+    Ok((network::vertices(surface, &cx.grid, &stream, area, style, &cx.work.stage(0.9, 1.0))?, mask))
 }
 
-/// What finding streams takes: the flow, and for each sample of a stream its reach and its vertex, twice as smoothing moves
-/// it. Real land has about one such sample to a width of `√threshold`; three are counted.
+/// What finding streams takes: the flow, and for each sample of a stream its vertex, twice as smoothing moves it. Real land has about one such sample to a width of `√threshold`; three are counted.
 pub(super) fn cost(grid: &Grid, threshold: f64) -> Cost {
     let share = (3.0 * grid.cell() / threshold.max(1e-9).sqrt()).min(1.0);
     let streams = (grid.len() as f64 * share).min(MAX_VERTICES as f64);

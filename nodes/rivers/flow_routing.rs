@@ -1,7 +1,7 @@
 //! Where water goes, and how much.
 
 use crate::kit::flow::neighbor::unit;
-use crate::kit::flow::{Depressions, Rule, Spread, Surface, Tree, accumulate};
+use crate::kit::flow::{Depressions, Rule, Spread, Surface, accumulate};
 use crate::kit::rows::by_index;
 use crate::prelude::*;
 

@@ -1,8 +1,9 @@
 //! Rivers along curves.
 
 use crate::kit::curves::flatten::flatten;
-use crate::kit::flow::join::{Line, join};
-use crate::kit::flow::network;
+use crate::kit::flow::join::{Polyline, join};
+use crate::kit::flow::network::lower;
+use crate::kit::rivers::drainage;
 use crate::prelude::*;
 use crate::value::Curve;
 use crate::value::rivers::{MAX_VERTICES, RiverVertex};
@@ -13,8 +14,8 @@ use crate::value::rivers::{MAX_VERTICES, RiverVertex};
 /// from where one ended. All other ends are outlets. Beds have the heights of the curves, or 0 where a curve has none, and
 /// fall all the way from sources to outlets.
 ///
-/// No land is known here, so each metre of river is taken to drain a strip of land `catchment` wide: `A = catchment · L`,
-/// where `L` is the length of all river above. A river is `width · √(A / 1 km²)` wide \[leopold1953\].
+/// The area that drains through a vertex is that of the Voronoi cells of all vertices upstream inside the terrain. A river
+/// is `width · √(A / 1 km²)` wide, where it drains `A` \[leopold1953\].
 ///
 /// # Limits
 /// Rivers that would run in a circle are left apart: of those that close it, the one listed last keeps its end as an outlet.
@@ -30,9 +31,6 @@ pub struct RiversFromCurves {
     /// How far the straight links may lie from the curve.
     #[schemars(range(min = 0.01, max = 1000.0), extend("x-soft" = [0.1, 20.0]))]
     pub tolerance: Metres,
-    /// Width of the land that drains to a river.
-    #[schemars(range(min = 0.0, max = 100_000.0), extend("x-soft" = [0.0, 5000.0]))]
-    pub catchment: Metres,
     /// Width of a river that drains a square kilometre.
     #[schemars(range(min = 0.0, max = 1000.0), extend("x-soft" = [0.0, 50.0]))]
     pub width: Metres,
@@ -40,7 +38,7 @@ pub struct RiversFromCurves {
 
 impl Default for RiversFromCurves {
     fn default() -> Self {
-        Self { snap: Metres(30.0), tolerance: Metres(1.0), catchment: Metres(1000.0), width: Metres(4.0) }
+        Self { snap: Metres(30.0), tolerance: Metres(1.0), width: Metres(2.5) }
     }
 }
 
@@ -58,8 +56,10 @@ ports! {
 impl Node for RiversFromCurves {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta =
-        Meta::new().cite(&["leopold1953"]).keywords(&["stream", "network", "convert", "draw", "join"]);
+    const META: Meta = Meta::new()
+        .cite(&["leopold1953"])
+        .keywords(&["stream", "network", "convert", "draw", "join"])
+        .reads(Reads::TERRAIN);
 
     fn reach(&self) -> Reach {
         Reach::Gridless
@@ -67,24 +67,24 @@ impl Node for RiversFromCurves {
 
     fn cost(&self, load: &Load<'_>) -> Cost {
         let pieces = load.object::<Curves>("curves").map_or(0, |c| c.iter().map(Curve::pieces).sum()) as u64;
-        // Some corners a piece, each with its vertex twice over.
-        Cost { bytes: (1 << 20) + 16 * 200 * pieces, seconds: 1e-5 + pieces as f64 * 2e-5 }
+        // Some corners a piece, each with its vertex several times over and its part in the Voronoi diagram.
+        Cost { bytes: (1 << 20) + 16 * 600 * pieces, seconds: 1e-4 + 16.0 * pieces as f64 * 4e-6 }
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { curves }: Inputs) -> Result<Outputs> {
         let mut left = MAX_VERTICES;
         let mut lines = Vec::with_capacity(curves.len());
         for (n, curve) in curves.iter().enumerate() {
-            cx.work.step(0.3 * n as f32 / curves.len() as f32)?;
+            cx.work.step(0.2 * n as f32 / curves.len() as f32)?;
             let line = flatten(curve, self.tolerance.0, left).ok_or_else(too_many)?;
             left -= line.len();
             let corner = |v: &crate::kit::curves::flatten::Vertex| {
                 let [x, y] = v.at;
                 [x, y, curve.height(v.u).unwrap_or(0.0)]
             };
-            lines.push(Line(line.iter().map(corner).collect()));
+            lines.push(Polyline(line.iter().map(corner).collect()));
         }
-        let joined = join(&lines, self.snap.0, &cx.work.stage(0.3, 0.9))?;
+        let joined = join(&lines, self.snap.0, &cx.work.stage(0.2, 0.5))?;
         let vertex = |&(at, down): &([f64; 3], Option<u32>)| RiverVertex {
             at: [at[0], at[1]],
             height: at[2],
@@ -96,11 +96,9 @@ impl Node for RiversFromCurves {
             |e: crate::value::RiverFault| Error::Input { port: "curves".into(), message: e.to_string() };
         let (sorted, _) = Rivers::sorted(&vertices).map_err(fault)?;
         let mut vertices = sorted.vertices().to_vec();
-        network::lower(&mut vertices);
-        network::drain_strips(&mut vertices, self.catchment.0);
-        for vertex in &mut vertices {
-            vertex.width = network::width(self.width.0, vertex.area.into()) as f32;
-        }
+        lower(&mut vertices);
+        let bounds = cx.terrain()?.bounds();
+        drainage::drain(&mut vertices, bounds, self.width.0, &cx.work.stage(0.5, 1.0))?;
         Ok(Outputs { rivers: Rivers::new(vertices).map_err(fault)? })
     }
 }

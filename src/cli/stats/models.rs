@@ -74,8 +74,7 @@ mod tests {
             assert_eq!(model.figures.len(), columns.len(), "{}", model.name);
             assert!(model.cell >= 1.0 && model.figures.iter().flatten().count() > 15, "{}", model.name);
         }
-        let unknown = columns.iter().find(|id| !super::super::table::is_compared(id));
-        assert_eq!(unknown, None);
+        assert_eq!(*columns, super::super::table::compared_ids());
     }
 
     #[test]

@@ -143,10 +143,10 @@ fn rows() -> impl Iterator<Item = &'static Row> {
     GROUPS.iter().flat_map(|(_, rows)| rows.iter())
 }
 
-/// Whether a figure is held against real land.
+/// The figures that are held against real land.
 #[cfg(test)]
-pub(super) fn is_compared(id: &str) -> bool {
-    rows().any(|row| row.is_compared && row.id == id)
+pub(super) fn compared_ids() -> Vec<&'static str> {
+    rows().filter(|row| row.is_compared).map(|row| row.id).collect()
 }
 
 /// Where a figure stands to a range.

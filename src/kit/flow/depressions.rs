@@ -3,14 +3,11 @@
 use super::accumulate::each;
 use super::descent;
 use super::flats::{self, LOOK};
-use super::neighbor::{NONE, opposite};
+use super::neighbor::{LENGTH, NONE, opposite};
 use super::passes::{self, Pass};
 use super::surface::Surface;
 use super::tree::Tree;
 use crate::work::{Cancelled, Work};
-
-/// Bytes that [`Depressions::find`] takes for a cell, at the peak and on any ground.
-pub const BYTES: f64 = 22.0;
 
 /// A cell from which no way leads down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -180,18 +177,34 @@ fn outwards(
                 continue;
             }
             pit.level = level.max(pass.height());
-            let (cell, k) = pass.place();
-            let (gate, out) = match k {
-                NONE => (cell, NONE),
-                _ if label[cell] == other => (cell, k),
-                _ => (surface.cells.step(cell, k), opposite(k)),
-            };
+            let (gate, out) = gate(surface, label, pass, other, basin);
             (pit.gate, pit.out) = (gate as u32, out);
             queue.push((other, pit.level));
         }
     }
     debug_assert!(pits.iter().all(|pit| pit.level.is_finite()), "the border lets all water out");
     Ok(pits)
+}
+
+/// The last cell of a basin on the way over a pass into another, and the direction into that one. Of the two cells of the
+/// pass the higher stays; the other is the one that descends most steeply from it, so that the way is straight.
+fn gate(surface: &Surface<'_>, label: &[u32], pass: Pass, from: u32, into: u32) -> (usize, u8) {
+    let (cell, k) = pass.place();
+    if k == NONE {
+        return (cell, NONE);
+    }
+    let next = surface.cells.step(cell, k);
+    let top = if surface.at(next) > surface.at(cell) { next } else { cell };
+    let side = if label[top] == from { into } else { from };
+    let mut best = (f64::NEG_INFINITY, (k, next));
+    for (k, i) in surface.cells.around(top).filter(|&(_, i)| label[i] == side) {
+        let descent = (f64::from(surface.at(top)) - f64::from(surface.at(i))) / LENGTH[usize::from(k)];
+        if descent > best.0 {
+            best = (descent, (k, i));
+        }
+    }
+    let (k, i) = best.1;
+    if side == into { (top, k) } else { (i, opposite(k)) }
 }
 
 /// The passes at each basin.

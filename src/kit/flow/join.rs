@@ -4,7 +4,7 @@ use crate::work::{Cancelled, Work};
 
 /// A line from its source to its mouth: x, y and height of its corners, in metres.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line(pub Vec<[f64; 3]>);
+pub struct Polyline(pub Vec<[f64; 3]>);
 
 /// A corner of the network, and the number of the one downstream.
 pub type Corner = ([f64; 3], Option<u32>);
@@ -22,7 +22,7 @@ struct Joint {
 ///
 /// # Errors
 /// [`Cancelled`] when the work was asked to stop.
-pub fn join(lines: &[Line], snap: f64, work: &Work<'_>) -> Result<Vec<Corner>, Cancelled> {
+pub fn join(lines: &[Polyline], snap: f64, work: &Work<'_>) -> Result<Vec<Corner>, Cancelled> {
     let joints = joints(lines, snap, work)?;
     // Corners of lines, and of each line the places where others join it, by their place along it.
     let mut at_line: Vec<Vec<(usize, f64, usize)>> = vec![Vec::new(); lines.len()];
@@ -61,7 +61,7 @@ pub fn join(lines: &[Line], snap: f64, work: &Work<'_>) -> Result<Vec<Corner>, C
     Ok(corners)
 }
 
-fn joints(lines: &[Line], snap: f64, work: &Work<'_>) -> Result<Vec<Option<Joint>>, Cancelled> {
+fn joints(lines: &[Polyline], snap: f64, work: &Work<'_>) -> Result<Vec<Option<Joint>>, Cancelled> {
     let boxes: Vec<[f64; 4]> = lines.iter().map(|line| bounds(line, snap)).collect();
     let mut joints: Vec<Option<Joint>> = vec![None; lines.len()];
     for (n, line) in lines.iter().enumerate() {
@@ -99,7 +99,7 @@ fn settle(line: usize, piece: usize, share: f64, count: usize) -> Joint {
     Joint { line, piece, share: if share >= 1.0 { 0.0 } else { share } }
 }
 
-fn bounds(line: &Line, margin: f64) -> [f64; 4] {
+fn bounds(line: &Polyline, margin: f64) -> [f64; 4] {
     let start = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
     let [west, north, east, south] =
         line.0.iter().fold(start, |[w, n, e, s], &[x, y, _]| [w.min(x), n.min(y), e.max(x), s.max(y)]);

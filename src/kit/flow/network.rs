@@ -1,7 +1,9 @@
 //! From the cells of rivers to a network of vertices.
 
-use super::streams::Reach;
+use super::flats::LOOK;
+use super::streams::StreamCell;
 use super::surface::Surface;
+use crate::kit::rivers::drainage::width;
 use crate::value::{Grid, RiverVertex};
 use crate::work::{Cancelled, Work};
 
@@ -16,39 +18,33 @@ pub struct Style {
     pub falls: bool,
 }
 
-/// Width of a river by the area that it drains, in metres and square metres, from that at a square kilometre: the
-/// hydraulic geometry `w ~ √Q` \[leopold1953\].
-pub fn width(at_square_kilometre: f64, area: f64) -> f64 {
-    at_square_kilometre * (area * 1e-6).max(0.0).sqrt()
-}
-
-/// A vertex for each reach: where its cell stands, at the height of its ground or of the sea. `area` gives the area in
-/// square metres that drains through a cell.
+/// A vertex for each cell of a stream: where the cell stands, at the height of its ground or of the sea. `area` gives the
+/// area in square metres that drains through a cell.
 ///
 /// # Errors
 /// [`Cancelled`] when the work was asked to stop.
 pub fn vertices(
     surface: &Surface<'_>,
     grid: &Grid,
-    reaches: &[Reach],
+    stream: &[StreamCell],
     area: impl Fn(usize) -> f64,
     style: Style,
     work: &Work<'_>,
 ) -> Result<Vec<RiverVertex>, Cancelled> {
     let cols = grid.cols.max(1);
-    let vertex = |reach: &Reach| {
-        let cell = reach.cell as usize;
+    let vertex = |of: &StreamCell| {
+        let cell = of.cell as usize;
         let area = area(cell);
         RiverVertex {
             at: [grid.x(cell % cols), grid.y(cell / cols)],
             height: f64::from(surface.at(cell).max(surface.sea())),
-            down: reach.down,
+            down: of.down,
             area: area as f32,
-            width: width(style.width, area) as f32,
+            width: width(area, style.width) as f32,
             ..RiverVertex::default()
         }
     };
-    let mut vertices: Vec<RiverVertex> = reaches.iter().map(vertex).collect();
+    let mut vertices: Vec<RiverVertex> = stream.iter().map(vertex).collect();
     if style.falls {
         lower(&mut vertices);
     }
@@ -70,19 +66,6 @@ pub fn lower(vertices: &mut [RiverVertex]) {
     }
 }
 
-/// Gives vertices, which stand downstream first, the area of a strip of land of a width in metres along all river above.
-pub fn drain_strips(vertices: &mut [RiverVertex], width: f64) {
-    let mut areas = vec![0.0; vertices.len()];
-    for upper in (0..vertices.len()).rev() {
-        let vertex = vertices[upper];
-        if let Some(down) = vertex.down.map(|down| down as usize) {
-            let [x, y] = [0, 1].map(|k| vertex.at[k] - vertices[down].at[k]);
-            areas[down] += areas[upper] + width * libm::hypot(x, y);
-        }
-    }
-    vertices.iter_mut().zip(areas).for_each(|(vertex, area)| vertex.area = area as f32);
-}
-
 /// Moves vertices towards their neighbours along the river, but for sources, mouths and confluences.
 fn smooth(vertices: &mut [RiverVertex], rounds: u32, work: &Work<'_>) -> Result<(), Cancelled> {
     const SEVERAL: u32 = u32::MAX - 1;
@@ -97,8 +80,11 @@ fn smooth(vertices: &mut [RiverVertex], rounds: u32, work: &Work<'_>) -> Result<
     for round in 0..rounds {
         work.step(round as f32 / rounds as f32)?;
         let before: Vec<[f64; 2]> = vertices.iter().map(|vertex| vertex.at).collect();
-        for (i, vertex) in vertices.iter_mut().enumerate().filter(|(i, _)| above[*i] < SEVERAL) {
-            let Some(down) = vertex.down else { continue };
+        for (i, vertex) in vertices.iter_mut().enumerate() {
+            if i % LOOK == 0 {
+                work.check()?;
+            }
+            let Some(down) = vertex.down.filter(|_| above[i] < SEVERAL) else { continue };
             let [a, b] = [before[down as usize], before[above[i] as usize]];
             vertex.at = [0, 1].map(|k| (a[k] + 2.0 * before[i][k] + b[k]) / 4.0);
         }

@@ -7,7 +7,7 @@ use crate::work::{Cancelled, Work};
 
 /// A cell of a river.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reach {
+pub struct StreamCell {
     /// The cell.
     pub cell: u32,
     /// The place in the list of the one downstream; none of a mouth.
@@ -25,13 +25,13 @@ pub fn trace(
     tree: &Tree,
     is_river: impl Fn(usize) -> bool,
     work: &Work<'_>,
-) -> Result<Vec<Reach>, Cancelled> {
+) -> Result<Vec<StreamCell>, Cancelled> {
     let (to, n) = (tree.directions(), tree.cells.len());
     let donors = |cell: usize| {
         let drains = |&(k, i): &(u8, usize)| to[i] == opposite(k) && is_river(i);
         tree.cells.around(cell).filter(drains)
     };
-    let mut reaches: Vec<Reach> = Vec::new();
+    let mut stream: Vec<StreamCell> = Vec::new();
     let mut next = 0;
     for first in 0..n {
         if first % LOOK == 0 {
@@ -40,16 +40,16 @@ pub fn trace(
         if tree.receiver(first).is_some() || donors(first).next().is_none() {
             continue;
         }
-        reaches.push(Reach { cell: first as u32, down: None });
-        while let Some(&Reach { cell, .. }) = reaches.get(next) {
+        stream.push(StreamCell { cell: first as u32, down: None });
+        while let Some(&StreamCell { cell, .. }) = stream.get(next) {
             let down = Some(next as u32);
             next += 1;
             if next % LOOK == 0 {
                 work.check()?;
             }
-            let above = donors(cell as usize).map(|(_, i)| Reach { cell: i as u32, down });
-            reaches.extend(above);
+            let above = donors(cell as usize).map(|(_, i)| StreamCell { cell: i as u32, down });
+            stream.extend(above);
         }
     }
-    Ok(reaches)
+    Ok(stream)
 }

@@ -1,11 +1,11 @@
 //! Lines that become a network.
 
-use orograph::kit::flow::join::{Line, join};
+use orograph::kit::flow::join::{Polyline, join};
 use orograph::work::Work;
 use proptest::prelude::*;
 
-fn line(corners: &[[f64; 2]]) -> Line {
-    Line(corners.iter().map(|[x, y]| [*x, *y, 100.0 - y]).collect())
+fn line(corners: &[[f64; 2]]) -> Polyline {
+    Polyline(corners.iter().map(|[x, y]| [*x, *y, 100.0 - y]).collect())
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn a_line_drawn_on_is_one_river() {
 #[test]
 fn lines_in_a_circle_keep_an_outlet() {
     let corners = [[0.0, 0.0], [100.0, 0.0], [100.0, 100.0], [0.0, 100.0]];
-    let sides: Vec<Line> = (0..4).map(|i| line(&[corners[i], corners[(i + 1) % 4]])).collect();
+    let sides: Vec<Polyline> = (0..4).map(|i| line(&[corners[i], corners[(i + 1) % 4]])).collect();
     let found = join(&sides, 1.0, &Work::default()).unwrap();
     assert_eq!(found.iter().filter(|corner| corner.1.is_none()).count(), 1);
 }
@@ -56,7 +56,7 @@ proptest! {
         lines in prop::collection::vec(prop::collection::vec((0.0f64..9.0, 0.0f64..9.0), 0..6), 0..8),
         snap in 0.0f64..4.0,
     ) {
-        let lines: Vec<Line> = lines
+        let lines: Vec<Polyline> = lines
             .into_iter()
             .map(|corners| line(&corners.into_iter().map(|(x, y)| [x.floor(), y.floor()]).collect::<Vec<_>>()))
             .collect();

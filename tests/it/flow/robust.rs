@@ -24,7 +24,7 @@ fn all(surface: &Surface<'_>, work: &Work<'_>) -> Result<Vec<Vec<u64>>, Cancelle
     let tree = depressions.into_tree(surface, work)?;
     let count = accumulate::count(&tree, |cell| surface.is_land(cell), work)?;
     let is_river = |cell: usize| count[cell] > 5;
-    let reaches = streams::trace(&tree, is_river, work)?;
+    let stream = streams::trace(&tree, is_river, work)?;
     let mut found = vec![
         narrow(filled.clone()),
         narrow(epsilon::fill(surface, 0.01, work)?),
@@ -36,7 +36,7 @@ fn all(surface: &Surface<'_>, work: &Work<'_>) -> Result<Vec<Vec<u64>>, Cancelle
         wide(tree.distance(work)?),
         whole(tree.basins(|cell| surface.is_land(cell), work)?),
         narrow(wetness::above_river(&tree, |i| surface.at(i), is_river, work)?),
-        reaches.iter().map(|reach| reach.cell.into()).collect(),
+        stream.iter().map(|cell| cell.cell.into()).collect(),
         whole(count.clone()),
     ];
     for rule in RULES {

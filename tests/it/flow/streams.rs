@@ -21,13 +21,13 @@ proptest! {
         let (tree, work) = (tree(&ground), Work::default());
         let count = accumulate::count(&tree, |cell| ground.is_land(cell), &work).unwrap();
         let is_river = |cell: usize| ground.is_land(cell) && count[cell] >= threshold;
-        let reaches = streams::trace(&tree, is_river, &work).unwrap();
-        let mut found: Vec<usize> = reaches.iter().map(|reach| reach.cell as usize).collect();
-        for reach in &reaches {
-            let down = reach.down.map(|down| reaches[down as usize].cell as usize);
-            prop_assert_eq!(down, tree.receiver(reach.cell as usize));
+        let stream = streams::trace(&tree, is_river, &work).unwrap();
+        let mut found: Vec<usize> = stream.iter().map(|cell| cell.cell as usize).collect();
+        for part in &stream {
+            let down = part.down.map(|down| stream[down as usize].cell as usize);
+            prop_assert_eq!(down, tree.receiver(part.cell as usize));
         }
-        prop_assert!(reaches.iter().zip(0..).all(|(reach, i)| reach.down.is_none_or(|down| down < i)));
+        prop_assert!(stream.iter().zip(0..).all(|(part, i)| part.down.is_none_or(|down| down < i)));
         found.sort_unstable();
         // All river cells but lone outlets, and the outlets that they reach.
         let mut wanted: Vec<usize> =
@@ -44,10 +44,10 @@ proptest! {
         let (tree, work, surface) = (tree(&ground), Work::default(), ground.surface());
         let count = accumulate::count(&tree, |cell| ground.is_land(cell), &work).unwrap();
         let is_river = |cell: usize| ground.is_land(cell) && count[cell] >= threshold;
-        let reaches = streams::trace(&tree, is_river, &work).unwrap();
+        let stream = streams::trace(&tree, is_river, &work).unwrap();
         let style = network::Style { smoothing, width: 4.0, falls: true };
         let area = |cell: usize| f64::from(count[cell]) * 100.0;
-        let vertices = network::vertices(&surface, &grid(&ground), &reaches, area, style, &work).unwrap();
+        let vertices = network::vertices(&surface, &grid(&ground), &stream, area, style, &work).unwrap();
         let whole = grid(&ground).bounds();
         for vertex in &vertices {
             let [x, y] = vertex.at;
@@ -69,12 +69,12 @@ fn smoothing_rounds_steps_and_keeps_the_ends() {
         Ground::of(41, 81, |c, r| 3.0 * (c as f32 - 20.0 - 0.3 * (r as f32 - 40.0)).abs() + (80 - r) as f32);
     let (tree, work) = (tree(&ground), Work::default());
     let count = accumulate::count(&tree, |_| true, &work).unwrap();
-    let reaches = streams::trace(&tree, |cell| count[cell] >= 120, &work).unwrap();
+    let stream = streams::trace(&tree, |cell| count[cell] >= 120, &work).unwrap();
     let turn = |smoothing: f64| {
         let style = network::Style { smoothing, width: 4.0, falls: true };
         let grid = grid(&ground);
         let area = |cell: usize| f64::from(count[cell]);
-        let vertices = network::vertices(&ground.surface(), &grid, &reaches, area, style, &work).unwrap();
+        let vertices = network::vertices(&ground.surface(), &grid, &stream, area, style, &work).unwrap();
         let outlet = vertices[0].at;
         let rivers = Rivers::new(vertices).unwrap();
         let heading = |i: usize| {

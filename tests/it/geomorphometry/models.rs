@@ -130,3 +130,49 @@ fn figures_of_models_are_those_that_were_measured() {
     }
     assert!(all.len() >= 3 && wrong.is_empty(), "of {} models:\n{}", all.len(), wrong.join("\n"));
 }
+
+/// The table that `orograph stats` holds land against: a row a model, a column a figure, whose head is its place in the
+/// JSON.
+const TABLE: &str = "src/cli/stats/models.tsv";
+
+/// A number as the table holds it.
+fn short(value: Option<f64>) -> String {
+    let digits = value.and_then(|value| format!("{value:.3e}").parse::<f64>().ok());
+    digits.map_or_else(|| "-".to_owned(), |value| value.to_string())
+}
+
+/// `OROGRAPH_BLESS=1` writes the table anew, of all models and with the columns that it has.
+#[test]
+fn the_table_of_models_is_what_is_measured() {
+    let Some(folder) = folder("the_table_of_models_is_what_is_measured") else { return };
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(TABLE);
+    let table = std::fs::read_to_string(&path).unwrap();
+    let head = table.lines().next().expect("a head");
+    let row = |model: &Model| {
+        let found = measured(&folder, model);
+        let figures = head.split('\t').skip(1).map(|id| {
+            let id = if id == "cell" { "/cell" } else { id };
+            short(found.pointer(id).and_then(Json::as_f64))
+        });
+        std::iter::once(model.name.clone()).chain(figures).collect::<Vec<_>>().join("\t")
+    };
+    // What repeats its neighbours on purpose says nothing of land.
+    let real = list(&folder).into_iter().filter(|model| model.file != "srtm90.tif");
+    if std::env::var_os("OROGRAPH_BLESS").is_some() {
+        let rows: Vec<String> = real.map(|model| row(&model)).collect();
+        std::fs::write(&path, format!("{head}\n{}\n", rows.join("\n"))).unwrap();
+        return;
+    }
+    for model in rig::part(real.collect(), 7, "table of models") {
+        let found = row(&model);
+        let held = table.lines().find(|line| line.starts_with(&format!("{}\t", model.name)));
+        for (found, held) in found.split('\t').skip(1).zip(held.expect("a row").split('\t').skip(1)) {
+            let close = |a: f64, b: f64| (a - b).abs() <= 2e-3 * b.abs() + 1e-6;
+            let is_same = match (found.parse(), held.parse()) {
+                (Ok(found), Ok(held)) => close(found, held),
+                _ => found == held,
+            };
+            assert!(is_same, "{}: {found}, not {held}; OROGRAPH_BLESS=1 renews {TABLE}", model.name);
+        }
+    }
+}

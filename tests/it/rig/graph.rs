@@ -69,6 +69,8 @@ pub(crate) fn fed_on(world: World, kind: &Kind, set: &Set, mask: Option<&str>) -
                 { "line": [500, 1500, 3600, 1700], "height": [0, -40, 0] },
             ] } },
             "marks": { "kind": "curve_raster", "in": { "curves": "lines.curves" } },
+            "streams": { "kind": "tokunaga_rivers", "set": { "max_depth": 4, "seed": 7 } },
+            "crests": { "kind": "voronoi_ridges", "in": { "rivers": "streams.rivers" } },
             "zero": { "kind": "constant", "set": { "value": 0, "quantity": "mask" } },
             "one": { "kind": "constant", "set": { "value": 1, "quantity": "mask" } },
             "node": { "kind": kind.id.as_str(), "set": given(kind, set), "in": wires(kind, mask) },
@@ -125,6 +127,8 @@ fn source(i: usize, port: &Port) -> &'static str {
         WireType::Colors => "tints.colors",
         WireType::Object(object) => match object.name {
             "curves" => "lines.curves",
+            "rivers" => "streams.rivers",
+            "ridges" => "crests.ridges",
             _ => "marks.constraints",
         },
     }
