@@ -21,6 +21,7 @@ mod report;
 mod reserve;
 mod shared;
 mod sidecars;
+mod stats;
 mod tiles;
 
 use std::ffi::OsString;
@@ -65,6 +66,8 @@ enum Command {
     Fit(Box<fit::Args>),
     /// Draws a shaded picture of a graph's output or of a height file
     Render(Box<render::Args>),
+    /// Prints figures of a graph's heights or of a height file, beside those of real land
+    Stats(Box<stats::Args>),
     /// Opens the editor
     #[cfg(feature = "editor")]
     Edit {
@@ -86,6 +89,7 @@ impl Command {
             Self::Info(args) => args.json,
             Self::Plan(args) => args.json,
             Self::Nodes(args) => args.json,
+            Self::Stats(args) => args.json,
             _ => false,
         }
     }
@@ -93,7 +97,7 @@ impl Command {
     /// Whether the command writes no file, so that it can be abandoned when it is cancelled.
     fn writes_nothing(&self) -> bool {
         match self {
-            Self::Check(_) | Self::Info(_) | Self::Plan(_) => true,
+            Self::Check(_) | Self::Info(_) | Self::Plan(_) | Self::Stats(_) => true,
             Self::Fmt(args) => args.check,
             Self::Fit(args) => args.dry_run,
             _ => false,
@@ -225,6 +229,7 @@ fn run(cli: Cli, cancel: &Cancel) -> Result<Exit, exit::Stop> {
         Command::Convert(args) => convert::run(&args, cancel),
         Command::Fit(args) => fit::run(&args, &registry, cancel),
         Command::Render(args) => render::run(&args, &registry, cancel),
+        Command::Stats(args) => stats::run(&args, &registry, cancel),
         #[cfg(feature = "editor")]
         Command::Edit { graph } => {
             crate::editor::run(graph).map(|()| Exit::Done).map_err(|e| exit::Stop::new(Exit::Device, e))

@@ -76,6 +76,18 @@ impl Progress {
         }
     }
 
+    /// Shows the finished share, 0 to 1, of work that is no evaluation.
+    pub(super) fn share(&self, what: &str, share: f32) {
+        match self.mode {
+            Mode::Bar => {
+                self.bar.set_position((share * 1000.0) as u64);
+                self.bar.set_message(what.to_owned());
+            }
+            Mode::Json => tell_json(&json!({ "event": "progress", "part": what, "share": share })),
+            Mode::None => (),
+        }
+    }
+
     pub(super) fn end(&self) {
         self.bar.finish_and_clear();
     }

@@ -10,6 +10,7 @@ pub mod diffusion;
 pub mod distance;
 pub mod far;
 pub mod flow;
+pub mod geomorphometry;
 pub mod hash;
 pub mod land;
 pub mod math;

@@ -6,6 +6,7 @@ mod names;
 mod options;
 mod overwriting;
 mod refusals;
+mod stats;
 mod stopping;
 
 use std::io::{BufRead as _, BufReader};

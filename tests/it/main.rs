@@ -15,6 +15,7 @@ mod files;
 mod flow;
 mod filters;
 mod generate;
+mod geomorphometry;
 mod golden;
 mod graph;
 mod growth;
