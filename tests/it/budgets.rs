@@ -23,7 +23,7 @@ fn presets() -> Vec<PathBuf> {
 fn preset(path: &Path, base: u32) -> Graph {
     let mut graph = Graph::from_bytes(&std::fs::read(path).unwrap(), &registry()).unwrap();
     graph.assign("terrain.base", &base.to_string()).unwrap();
-    if path.ends_with("real_terrain.graph") {
+    if graph.exposed().any(|(name, _)| name == "file") {
         graph.assign("file", "small.asc").unwrap();
     }
     graph
