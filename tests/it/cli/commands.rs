@@ -3,7 +3,7 @@
 use orograph::files::{Limits, read_height};
 use serde_json::{Value as Json, json};
 
-use super::{Desk, code, height, run, said, text};
+use super::{Desk, code, height, names, run, said, text};
 
 #[test]
 fn commands_answer() {

@@ -1,6 +1,6 @@
 //! Options and formats: what contradicts, or would be ignored, is refused.
 
-use serde_json::{Value as Json, json};
+use serde_json::Value as Json;
 
 use super::{Desk, code, height, orograph, run, said, text};
 

@@ -1,6 +1,5 @@
 //! Builds that are killed or interrupted.
 
-use std::io::BufRead as _;
 use std::process::Command;
 
 use orograph::files::{Limits, read_height};

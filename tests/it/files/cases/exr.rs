@@ -2,7 +2,7 @@
 
 use orograph::files::Reading;
 
-use super::{ROWS, channel, floats, holds, notes, try_read};
+use super::{ROWS, channel, floats, holds, notes, read, try_read};
 
 #[test]
 fn exr_channel_of_heights_is_found_or_asked_for() {

@@ -1,6 +1,6 @@
 //! TIFF: masks, alpha, compressions, units, overviews.
 
-use orograph::files::{Encoding, Fault, Units};
+use orograph::files::{Fault, Units};
 
 use super::{COLS, channel, floats, holds, integers, moved, notes, outside_the_hole, read, try_read};
 
