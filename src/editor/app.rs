@@ -210,6 +210,11 @@ impl Editor {
         }
     }
 
+    /// Whether the view shows a draft, which the exact result will replace.
+    pub fn shows_draft(&self) -> bool {
+        self.evaluator.as_ref().is_some_and(|e| e.board().shown.as_ref().is_some_and(|s| s.draft))
+    }
+
     /// Counts up with each thing that is shown, drafts included.
     pub fn showings(&self) -> u64 {
         self.evaluator.as_ref().map_or(0, |e| e.board().showings)

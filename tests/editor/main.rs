@@ -10,6 +10,8 @@ mod drawing;
 mod files;
 mod panels;
 mod pictures;
+#[path = "../it/rig/skip.rs"]
+mod skip;
 mod soak;
 mod view;
 
@@ -17,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, pos2, vec2};
+use eframe::egui::{Event, Key, Modifiers, OutputCommand, PointerButton, Pos2, Rect, Shape, pos2, vec2};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use eframe::wgpu::DeviceType;
 use egui_kittest::Harness;
@@ -288,15 +290,40 @@ impl Window {
         self.key(Key::Enter);
     }
 
-    /// Waits until everything that is in sight is evaluated.
+    /// Draws frames until everything in sight is evaluated, and the frames that show the result.
     pub(crate) fn settle(&mut self) {
+        self.until("everything in sight is evaluated", |window| !window.editor().is_busy());
+        self.steps(2);
+    }
+
+    /// Draws frames until a condition holds; fails after two minutes. The window is as it was in the frame in which the
+    /// condition first held: a dialog that opened in this frame is not yet drawn, see [`appears`](Self::appears).
+    pub(crate) fn until(&mut self, condition: &str, mut holds: impl FnMut(&mut Self) -> bool) {
         let start = Instant::now();
-        while self.editor().is_busy() {
-            assert!(start.elapsed() < Duration::from_secs(120), "it does not come to an end");
+        while !holds(self) {
+            assert!(start.elapsed() < Duration::from_secs(120), "two minutes passed before {condition}");
             std::thread::sleep(Duration::from_millis(10));
             self.steps(1);
         }
+    }
+
+    /// Draws frames until a widget with this label is there and can be clicked. egui measures a new dialog in its first
+    /// frame and places it in the next, where a click finds it.
+    pub(crate) fn appears(&mut self, label: &str) {
+        self.until(&format!("`{label}` appears"), |window| window.has(label));
         self.steps(2);
+    }
+
+    /// Whether the last frame painted a text that contains some words.
+    pub(crate) fn paints(&self, words: &str) -> bool {
+        fn has(shape: &Shape, words: &str) -> bool {
+            match shape {
+                Shape::Text(text) => text.galley.text().contains(words),
+                Shape::Vec(shapes) => shapes.iter().any(|s| has(s, words)),
+                _ => false,
+            }
+        }
+        self.0.output().shapes.iter().any(|clipped| has(&clipped.shape, words))
     }
 }
 

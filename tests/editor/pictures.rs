@@ -1,10 +1,14 @@
 //! Pictures of the main states, compared with those in `tests/snapshots` and looked at: `UPDATE_SNAPSHOTS=1` writes them
 //! anew, `OROGRAPH_PICTURES=DIR` puts those and more into a folder.
 
+use std::path::Path;
+
 use eframe::egui::{Key, Modifiers, Pos2, vec2};
 use egui_kittest::SnapshotOptions;
 use egui_kittest::kittest::Queryable as _;
+use image::RgbaImage;
 
+use super::skip::skip;
 use super::{Window, ground, preset};
 
 /// Pixels that may differ: edges of text and of the terrain, by a hair of rounding.
@@ -13,7 +17,7 @@ const LOOSE: usize = 40;
 fn picture(window: &mut Window, name: &str) {
     let Some(folder) = std::env::var_os("OROGRAPH_PICTURES") else { return };
     let image = window.0.render().unwrap();
-    image.save(std::path::Path::new(&folder).join(format!("{name}.png"))).unwrap();
+    image.save(Path::new(&folder).join(format!("{name}.png"))).unwrap();
 }
 
 /// Compares with the picture of the name, once no work is left: its sign in the status bar would be in the picture.
@@ -22,7 +26,7 @@ fn compare(window: &mut Window, name: &str) {
     picture(window, name);
     if !window.1 {
         // Other devices draw edges in their own way. CI has the software device and compares.
-        println!("NOT COMPARED: `{name}` was not drawn by a software device");
+        skip(name, "the picture was not drawn by a software device", Path::new(""));
         assert!(std::env::var_os("CI").is_none(), "CI compares pictures: it needs Mesa's software Vulkan");
         return;
     }
@@ -31,7 +35,7 @@ fn compare(window: &mut Window, name: &str) {
 }
 
 /// A small window on a copy of a preset, without the times that differ from run to run.
-fn small(path: &std::path::Path) -> Window {
+fn small(path: &Path) -> Window {
     let mut window = Window::drawn(path);
     window.0.set_size(vec2(960.0, 600.0));
     window.command("Times on nodes");
@@ -57,6 +61,7 @@ fn main_states() {
     window.click(&format!("node {name}"));
     window.settle();
     picture(&mut window, "chosen");
+    assert!(window.paints(&name), "the panel shows the chosen node");
     window.hover(ground(200.0, -60.0));
     window.key(Key::Tab);
     window.text("er");
@@ -64,9 +69,11 @@ fn main_states() {
     window.key(Key::Escape);
     window.key(Key::F1);
     picture(&mut window, "keys");
+    assert!(window.paints("Zoom at the pointer"), "the list of keys is open");
     window.key(Key::Escape);
+    assert!(!window.paints("Zoom at the pointer"), "the list of keys is closed");
     window.keys(Modifiers::COMMAND, Key::B);
-    window.settle();
+    window.until("the build is estimated", |w| w.sees("MB of memory"));
     picture(&mut window, "build");
 }
 
@@ -88,8 +95,14 @@ fn curves_in_both_views() {
     compare(&mut window, "curves_in_the_relief");
 }
 
+/// The number of pixels that differ between two pictures of one window.
+fn changed_pixels(before: &RgbaImage, after: &RgbaImage) -> usize {
+    assert_eq!(before.dimensions(), after.dimensions());
+    before.pixels().zip(after.pixels()).filter(|(a, b)| a != b).count()
+}
+
 #[test]
-fn painting_and_colours() {
+fn painting_and_colours_change_what_the_window_shows() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = small(&preset(folder.path()));
     window.hover(ground(500.0, 0.0));
@@ -99,15 +112,23 @@ fn painting_and_colours() {
     let at = |x: f32, y: f32| middle + vec2(x, y);
     let way: Vec<Pos2> =
         (0..=24).map(|k| at(-60.0 + 5.0 * k as f32, 30.0 * libm::sinf(k as f32 * 0.4))).collect();
+    let empty = window.0.render().unwrap();
     window.drag(&way);
     window.settle();
     picture(&mut window, "painted");
+    assert_eq!(window.editor().thumbnail_range("paint_mask"), Some((0.0, 1.0)));
+    let tinted = changed_pixels(&empty, &window.0.render().unwrap());
+    assert!(tinted > 1000, "the stroke changes {tinted} pixels of the window");
+    window.view("Relief");
+    let plain = window.0.render().unwrap();
     window.0.get_by_label("colours").click();
     window.steps(3);
     window.click("bent.field");
     window.settle();
-    window.view("Relief");
     picture(&mut window, "coloured");
+    assert!(window.paints("bent.field"), "the bar names the output that colours the terrain");
+    let colored = changed_pixels(&plain, &window.0.render().unwrap());
+    assert!(colored > 1000, "the colours change {colored} pixels of the window");
 }
 
 #[test]

@@ -1,42 +1,64 @@
-//! A day at random; a long one with `OROGRAPH_SOAK=100000 cargo test --test editor soak -- --nocapture`.
+//! Random edits, at the end of which memory has not grown and everything can be undone. 300 edits run by default, 20,000
+//! with `OROGRAPH_BREADTH=1`, and any number with `OROGRAPH_SOAK=100000 cargo test --test editor soak -- --nocapture`.
+
+use std::path::Path;
 
 use eframe::egui::{Key, Modifiers};
 use orograph::kit::hash;
 
 use super::{Window, ground, preset};
 
-/// Edits where nothing else is asked for, and how often they are evaluated to the end.
-const EDITS: u64 = 300;
-const SETTLE: u64 = 5_000;
+/// Number of edits by default, and with `OROGRAPH_BREADTH`.
+const EDITS: [u64; 2] = [300, 20_000];
+/// Edits between two measurements of memory. The graph is evaluated to the end before each.
+const BETWEEN: u64 = 50;
+/// Memory budget of the engine, in bytes: small, so that the first edits fill its caches and later growth is a leak.
+const BUDGET: u64 = 256 << 20;
+/// Bytes by which memory may exceed the first measurement.
+const GROWTH: u64 = 128 << 20;
 
 #[test]
 fn random_edits_end_with_flat_memory_and_can_be_undone() {
-    let asked = std::env::var("OROGRAPH_SOAK").ok();
-    edits(asked.map_or(EDITS, |text| text.parse().unwrap()));
+    let breadth = std::env::var_os("OROGRAPH_BREADTH").is_some_and(|v| !v.is_empty() && v != "0");
+    let asked = std::env::var("OROGRAPH_SOAK").ok().map(|text| text.parse().unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let memory = edits(&preset(folder.path()), asked.unwrap_or(EDITS[usize::from(breadth)]));
+    assert!(memory.len() > 2 && memory[0] > 0, "memory was measured: {memory:?}");
+    assert_eq!(first_excess(&memory), None, "{memory:?}");
 }
 
-fn edits(count: u64) {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = Window::on(&preset(folder.path()));
+#[test]
+fn memory_growth_is_found() {
+    let leak: Vec<u64> = (0..4).map(|k| (300 << 20) + k * (GROWTH / 2)).collect();
+    assert_eq!(first_excess(&leak), Some(3));
+    assert_eq!(first_excess(&leak[..3]), None);
+}
+
+/// The index of the first measurement of memory that exceeds the first one by more than [`GROWTH`].
+fn first_excess(memory: &[u64]) -> Option<usize> {
+    memory.iter().position(|now| *now > memory[0] + GROWTH)
+}
+
+/// Makes `count` random edits and undoes them; returns the bytes in memory after every [`BETWEEN`] edits.
+fn edits(path: &Path, count: u64) -> Vec<u64> {
+    let mut window = Window::frugal(path, BUDGET);
     window.settle();
-    let (bytes, mut early) = (window.graph().to_bytes(), None);
+    let (bytes, mut memory) = (window.graph().to_bytes(), Vec::new());
     for k in 0..count {
         edit(&mut window, k);
         if window.graph().nodes().len() > 60 {
-            // Back to a small graph, so that what grows is a leak.
+            // The graph is made small again, so that memory which keeps growing is a leak.
             window.keys(Modifiers::COMMAND, Key::A);
             window.key(Key::Delete);
         }
-        if k % SETTLE == SETTLE - 1 {
+        if k % BETWEEN == BETWEEN - 1 {
             window.settle();
-            let now = resident();
-            let early = *early.get_or_insert(now);
-            println!("{k}: {} MB", now >> 20);
-            assert!(now < early + (128 << 20), "{k}: {now} bytes, early on {early}");
+            memory.push(resident());
+            println!("{k}: {} MB", resident() >> 20);
         }
     }
     window.settle();
-    // The history keeps a thousand states.
+    // The history holds a thousand states, so that longer runs cannot be undone to the first.
     if count < 1000 {
         let (_, at) = window.editor().document().states();
         for _ in 0..at {
@@ -44,9 +66,10 @@ fn edits(count: u64) {
         }
         assert_eq!(window.graph().to_bytes(), bytes, "undone to the same bytes");
     }
+    memory
 }
 
-/// One edit; which is up to the counter.
+/// Makes the random edit with the number `k`.
 fn edit(window: &mut Window, k: u64) {
     let dice = |n: u64| hash::nth(17, k * 8 + n);
     let place = ground((dice(1) % 880) as f32, (dice(2) % 220) as f32);
@@ -76,7 +99,7 @@ fn edit(window: &mut Window, k: u64) {
     }
 }
 
-/// Bytes of the process that are in memory.
+/// The bytes of this process that are in memory.
 fn resident() -> u64 {
     let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     text.split_whitespace().nth(1).and_then(|p| p.parse::<u64>().ok()).unwrap_or(0) * 4096

@@ -11,8 +11,17 @@ fn shows_the_result_of_the_graph_and_of_what_is_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Window::on(&preset(folder.path()));
     window.settle();
-    assert!(window.editor().shown_range().is_some(), "the first output is shown");
+    let first = window.editor().shown_range();
+    assert!(first.is_some(), "the first output is shown");
     assert!(window.editor().thumbnails() > 3);
+    // The node of the first output is pinned when a graph is opened, and a pinned node is shown whatever is chosen.
+    window.click("node bent");
+    window.settle();
+    assert_eq!(window.editor().shown_range(), first);
+    window.click("pin");
+    window.settle();
+    let chosen = window.editor().shown_range();
+    assert!(chosen.is_some() && chosen != first, "`bent` is shown and has the range of the output: {chosen:?}");
 }
 
 #[test]
