@@ -1,4 +1,4 @@
-//! The editor: a hand that clicks, drags and types, and the document that comes of it.
+//! Tests of the editor: clicks, drags and typed text, and the document that results.
 #![allow(clippy::unwrap_used, reason = "a test stops where something fails")]
 
 #[path = "../it/graph/weighted.rs"]
@@ -29,9 +29,12 @@ use orograph::editor::{Answer, Editor, Setup};
 use orograph::engine::Options;
 use orograph::graph::Graph;
 
-/// A window, and the editor in it once the first frame was drawn.
-/// The flag says whether its pictures are those of a software device, which are the same on every machine.
+/// A window with an editor, which exists from the first frame on. The flag says whether a software device draws the
+/// window, whose pictures are the same on every machine.
 pub(crate) struct Window(Harness<'static, Option<Editor>>, bool);
+
+/// Time after which a condition that does not come about fails a test. A busy machine takes far less for any evaluation.
+const PATIENCE: Duration = Duration::from_secs(900);
 
 pub(crate) const PRESET: &str = "graphs/first_light.graph";
 
@@ -56,7 +59,7 @@ impl Window {
         Self::with(setup, None, 1.0)
     }
 
-    /// As it is when it is started for the first time, with a device to draw with.
+    /// A window as at the first start of the program, with a device to draw with.
     pub(crate) fn fresh() -> Self {
         let device = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
         let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
@@ -67,21 +70,21 @@ impl Window {
         window
     }
 
-    /// With little memory for the engine.
+    /// A window on a file, with a memory budget of the engine in bytes.
     pub(crate) fn frugal(path: &Path, memory: u64) -> Self {
         let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
         let options = Options { memory, ..Options::default() };
         Self::of(Setup { path: Some(path.to_owned()), home: None, asker, options, ..Setup::default() })
     }
 
-    /// On a screen of another density.
+    /// A window on a file, on a screen with a number of pixels per point.
     pub(crate) fn dense(path: &Path, density: f32) -> Self {
         let asker = Box::new(|_, _: Option<&Path>, _: &_| Answer::known(None));
         let setup = Setup { path: Some(path.to_owned()), home: None, asker, ..Setup::default() };
         Self::with(setup, None, density)
     }
 
-    /// With a device to draw with.
+    /// A window on a file, with a device to draw with.
     pub(crate) fn drawn(path: &Path) -> Self {
         let device = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
         let format = Some(device.target_format);
@@ -132,7 +135,7 @@ impl Window {
         self.editor().document().graph()
     }
 
-    /// What the node of a name reads at an input.
+    /// The source of an input of a node, as text.
     pub(crate) fn reads(&self, node: &str, input: &str) -> Option<String> {
         let graph = self.graph();
         graph.source(graph.find(node).unwrap(), input).map(|s| graph.source_text(&s))
@@ -150,7 +153,7 @@ impl Window {
         self.0.query_all_by_label_contains(label).next().is_some()
     }
 
-    /// Whether something of exactly this label is there.
+    /// Whether there is a widget with exactly this label.
     pub(crate) fn has(&self, label: &str) -> bool {
         self.0.query_by_label(label).is_some()
     }
@@ -214,7 +217,7 @@ impl Window {
         self.steps(2);
     }
 
-    /// Presses at a place, moves to others and lets go at the last.
+    /// Presses the button at a place, moves to others and releases it at the last.
     pub(crate) fn drag(&mut self, way: &[Pos2]) {
         self.press_and_move(way);
         self.button(*way.last().unwrap(), false);
@@ -296,12 +299,12 @@ impl Window {
         self.steps(2);
     }
 
-    /// Draws frames until a condition holds; fails after two minutes. The window is as it was in the frame in which the
+    /// Draws frames until a condition holds; fails after [`PATIENCE`]. The window is as it was in the frame in which the
     /// condition first held: a dialog that opened in this frame is not yet drawn, see [`appears`](Self::appears).
     pub(crate) fn until(&mut self, condition: &str, mut holds: impl FnMut(&mut Self) -> bool) {
         let start = Instant::now();
         while !holds(self) {
-            assert!(start.elapsed() < Duration::from_secs(120), "two minutes passed before {condition}");
+            assert!(start.elapsed() < PATIENCE, "{PATIENCE:?} passed before {condition}");
             std::thread::sleep(Duration::from_millis(10));
             self.steps(1);
         }

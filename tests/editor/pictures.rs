@@ -1,5 +1,5 @@
-//! Pictures of the main states, compared with those in `tests/snapshots` and looked at: `UPDATE_SNAPSHOTS=1` writes them
-//! anew, `OROGRAPH_PICTURES=DIR` puts those and more into a folder.
+//! Pictures of the main states, which are compared with those in `tests/snapshots`. `UPDATE_SNAPSHOTS=1` renews these,
+//! and `OROGRAPH_PICTURES=DIR` writes these and more to a folder.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use image::RgbaImage;
 use super::skip::skip;
 use super::{Window, ground, preset};
 
-/// Pixels that may differ: edges of text and of the terrain, by a hair of rounding.
+/// The most pixels that may differ, since rounding changes a few at edges of text and of the terrain.
 const LOOSE: usize = 40;
 
 fn picture(window: &mut Window, name: &str) {
@@ -20,12 +20,12 @@ fn picture(window: &mut Window, name: &str) {
     image.save(Path::new(&folder).join(format!("{name}.png"))).unwrap();
 }
 
-/// Compares with the picture of the name, once no work is left: its sign in the status bar would be in the picture.
+/// Compares the window with the picture of a name once the evaluation is done, whose sign is in the status bar.
 fn compare(window: &mut Window, name: &str) {
     window.settle();
     picture(window, name);
     if !window.1 {
-        // Other devices draw edges in their own way. CI has the software device and compares.
+        // Other devices draw edges differently. CI has the software device and compares.
         skip(name, "the picture was not drawn by a software device", Path::new(""));
         assert!(std::env::var_os("CI").is_none(), "CI compares pictures: it needs Mesa's software Vulkan");
         return;
@@ -34,7 +34,7 @@ fn compare(window: &mut Window, name: &str) {
     window.0.snapshot_options(name, &options);
 }
 
-/// A small window on a copy of a preset, without the times that differ from run to run.
+/// A small window on a file, without times on nodes, which differ between runs.
 fn small(path: &Path) -> Window {
     let mut window = Window::drawn(path);
     window.0.set_size(vec2(960.0, 600.0));
@@ -67,11 +67,13 @@ fn main_states() {
     window.text("er");
     compare(&mut window, "search");
     window.key(Key::Escape);
+    assert!(!window.paints("New graph"));
     window.key(Key::F1);
+    // The first row of the list.
+    window.until("the list of keys is open", |w| w.paints("New graph"));
     picture(&mut window, "keys");
-    assert!(window.paints("Zoom at the pointer"), "the list of keys is open");
     window.key(Key::Escape);
-    assert!(!window.paints("Zoom at the pointer"), "the list of keys is closed");
+    window.until("the list of keys is closed", |w| !w.paints("New graph"));
     window.keys(Modifiers::COMMAND, Key::B);
     window.until("the build is estimated", |w| w.sees("MB of memory"));
     picture(&mut window, "build");

@@ -21,7 +21,10 @@ fn shows_the_result_of_the_graph_and_of_what_is_chosen() {
     window.click("pin");
     window.settle();
     let chosen = window.editor().shown_range();
-    assert!(chosen.is_some() && chosen != first, "`bent` is shown and has the range of the output: {chosen:?}");
+    assert!(
+        chosen.is_some() && chosen != first,
+        "`bent` is shown and has the range of the output: {chosen:?}"
+    );
 }
 
 #[test]
