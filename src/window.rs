@@ -1,4 +1,5 @@
-//! The desktop editor, a crate of its own: the program calls it, so that it cannot stand in the program's.
+//! The desktop editor. It is a crate of its own because the program depends on it, so that it cannot be part of the
+//! program's package.
 
 // Inside, names are those of the whole house.
 use orograph_core::{

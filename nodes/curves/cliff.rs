@@ -1,6 +1,6 @@
 //! A cliff, from few numbers.
 
-use super::short::{Grain, Ground, Side, curve, extent, places, short_form};
+use super::short::{CurveSide, Grain, Ground, curve, extent, places, short_form};
 use crate::prelude::*;
 use crate::value::curves::Slope;
 
@@ -27,7 +27,7 @@ pub struct Cliff {
     #[schemars(range(min = 5.0, max = 88.0))]
     pub angle: Degrees,
     /// The side that is high.
-    pub high: Side,
+    pub high: CurveSide,
     /// Height of the middle of the wall; without it the surroundings decide.
     #[schemars(range(min = -20_000.0, max = 20_000.0), extend("x-soft" = [-1000.0, 3000.0]))]
     pub height: Option<Metres>,
@@ -45,7 +45,7 @@ impl Default for Cliff {
             through: through.map(|p| p.map(Metres)).to_vec(),
             drop: Metres(300.0),
             angle: Degrees(70.0),
-            high: Side::Left,
+            high: CurveSide::Left,
             height: None,
             grain: Grain::Unset,
             blend: Metres(0.0),
@@ -62,7 +62,7 @@ impl Cliff {
     /// Names the point or value.
     pub fn curves(&self) -> Result<Curves> {
         let reach = extent(0.5 * self.drop.0, self.angle.0);
-        let up = if self.high == Side::Left { self.angle.0 } else { -self.angle.0 };
+        let up = if self.high == CurveSide::Left { self.angle.0 } else { -self.angle.0 };
         let slope = Slope { left_extent: reach, right_extent: reach, left_angle: up, right_angle: -up };
         let ground = Ground { radius: 0.0, slope: Some(slope), grain: self.grain, blend: self.blend.0 };
         let heights = self.height.map(|h| vec![h.0; self.through.len()]);

@@ -33,7 +33,8 @@ pub enum Grain {
 /// A side of a curve, for somebody who walks along it and looks ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Side {
+#[schemars(rename = "Side")]
+pub enum CurveSide {
     /// North of a curve to the east.
     #[default]
     Left,

@@ -1,4 +1,4 @@
-//! What the commands do that take more than a line.
+//! The actions of commands that take more than a line.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -13,13 +13,13 @@ use super::canvas::{Chosen, GRID};
 use super::dialogs::Dialog;
 use super::document::Document;
 use super::drawing::sheet::Sheet;
-use super::drawing::{Drawing, Pad, Tool};
+use super::drawing::{Drawing, DrawingContext, Tool};
 use super::ops;
 use super::panels::Tab;
 use crate::graph::{Graph, NodeId, Note, Problem};
 use crate::whole::Changed;
 
-/// What happens after unsaved work was saved or given up.
+/// What happens after unsaved work was saved or discarded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum After {
     New,
@@ -87,7 +87,7 @@ impl Editor {
         }
     }
 
-    /// Pastes a text where the pointer is.
+    /// Pastes a text as nodes and notes where the pointer is.
     pub(super) fn paste(&mut self, text: &str) {
         let at = self.canvas.place();
         match ops::readable(text, &self.registry) {
@@ -106,10 +106,10 @@ impl Editor {
         self.canvas.chosen = Chosen { nodes: graph.nodes().collect(), notes };
     }
 
-    /// Removes what is chosen on the terrain, or on the canvas.
+    /// Removes what is chosen in the drawing, or else on the canvas.
     pub(super) fn remove(&mut self, bridge: bool) {
-        let (drawing, mut pad) = self.pad();
-        if !drawing.delete(&mut pad) {
+        let (drawing, mut cx) = self.drawing_context();
+        if !drawing.delete(&mut cx) {
             self.remove_nodes(bridge);
         }
     }
@@ -124,18 +124,19 @@ impl Editor {
         self.edit(&label, |g| ops::remove(g, &nodes, &notes, bridge));
     }
 
-    /// The drawing of the chosen node.
-    fn pad(&mut self) -> (&mut Drawing, Pad<'_>) {
+    /// The drawing, with the chosen node as its node.
+    fn drawing_context(&mut self) -> (&mut Drawing, DrawingContext<'_>) {
         let node = self.canvas.chosen.lone();
-        (&mut self.drawing, Pad { document: &mut self.document, notices: &mut self.notices, node })
+        (&mut self.drawing, DrawingContext { document: &mut self.document, notices: &mut self.notices, node })
     }
 
-    /// Draws curves: on the chosen node where it holds some, else on new nodes that make land of them.
+    /// Starts to draw curves: on the chosen node where its kind holds curves, else on new nodes that turn curves into
+    /// heights.
     pub(super) fn draw(&mut self) {
-        let (drawing, pad) = self.pad();
-        drawing.look(&pad);
+        let (drawing, cx) = self.drawing_context();
+        drawing.read(&cx);
         if matches!(drawing.sheet(), Some(Sheet::Curves(_) | Sheet::Trail(_))) {
-            drawing.begin();
+            drawing.begin_curve();
             return;
         }
         let at = self.free_place();
@@ -145,16 +146,16 @@ impl Editor {
             self.hold_view(*last);
             self.canvas.chosen = Chosen::only(*first);
             self.canvas.show_all();
-            let (drawing, pad) = self.pad();
-            drawing.look(&pad);
-            drawing.begin();
+            let (drawing, cx) = self.drawing_context();
+            drawing.read(&cx);
+            drawing.begin_curve();
         }
     }
 
-    /// Paints a mask: on the chosen node where it holds one, else on a new one.
+    /// Starts to paint a mask: on the chosen node where its kind holds strokes, else on a new node.
     pub(super) fn paint(&mut self) {
-        let (drawing, pad) = self.pad();
-        drawing.look(&pad);
+        let (drawing, cx) = self.drawing_context();
+        drawing.read(&cx);
         if !matches!(drawing.sheet(), Some(Sheet::Strokes(_))) {
             let at = self.free_place();
             let new = self.edit("Paint mask", |g| ops::add_chain(g, at, &["paint_mask"]));
@@ -162,18 +163,18 @@ impl Editor {
             self.hold_view(id);
             self.canvas.chosen = Chosen::only(id);
             self.canvas.show_all();
-            let (drawing, pad) = self.pad();
-            drawing.look(&pad);
+            let (drawing, cx) = self.drawing_context();
+            drawing.read(&cx);
         }
         let terrain = self.graph().terrain();
         let long = terrain.width.max(terrain.depth);
         let brush = &mut self.drawing.brush.radius.0;
-        // A brush that is a dot or the whole world is of no use.
+        // A brush much smaller than a pixel or larger than the terrain is of no use.
         *brush = brush.clamp(long / 1000.0, long / 4.0);
         self.drawing.tool = Tool::Brush;
     }
 
-    /// Where new nodes cover no others: where the pointer is, else under all.
+    /// A place where new nodes cover no others: the pointer, or else below all nodes.
     fn free_place(&self) -> [f64; 2] {
         let [x, y] = self.canvas.place();
         let graph = self.document.graph();
@@ -185,7 +186,8 @@ impl Editor {
         [all.left(), all.bottom() + 2.0 * GRID].map(|v| f64::from((v / GRID).ceil() * GRID))
     }
 
-    /// Keeps what the view shows while another node is chosen; where it shows nothing, it shows a new node.
+    /// Pins the shown node, so that it stays in the view when another node is chosen; where nothing is shown, pins a
+    /// new node.
     fn hold_view(&mut self, new: NodeId) {
         self.pinned = Some(self.shown_node().unwrap_or(new));
     }
@@ -213,7 +215,7 @@ impl Editor {
         }
     }
 
-    /// Goes on to something else; asks first when there is unsaved work.
+    /// Leaves the document for something else; asks first when there is unsaved work.
     pub(super) fn leave(&mut self, ctx: &Context, after: After) {
         if self.document.is_unsaved() {
             self.dialog = Dialog::Unsaved(after);
@@ -232,7 +234,7 @@ impl Editor {
             After::Start => self.dialog = Dialog::Welcome,
             After::OpenFile(path) => self.open(ctx, &path),
             After::Quit => {
-                self.closing = true;
+                self.is_closing = true;
                 ctx.send_viewport_cmd(ViewportCommand::Close);
             }
         }
@@ -245,7 +247,7 @@ impl Editor {
         }
     }
 
-    /// Writes the file; true when it was written.
+    /// Writes the file; returns whether it was written.
     pub(super) fn save_to(&mut self, ctx: &Context, path: &Path) -> bool {
         let moved = self.document.path() != Some(path);
         if let Err(e) = self.document.save(path) {
@@ -257,8 +259,8 @@ impl Editor {
             return false;
         }
         self.notices.say(format!("Saved {}", path.display()));
-        self.settings.opened(path);
-        self.write_settings();
+        self.preferences.opened(path);
+        self.write_preferences();
         if moved {
             self.reclaim(ctx);
             self.start_evaluator(ctx);
@@ -271,13 +273,13 @@ impl Editor {
         path.symlink_metadata().is_ok() && self.document.path() != Some(path)
     }
 
-    /// A file was chosen.
+    /// Uses the path that was chosen in a file dialog.
     pub(super) fn answered(&mut self, ctx: &Context, purpose: FileFor, path: PathBuf) {
         match purpose {
             FileFor::Open => self.open(ctx, &path),
             FileFor::SaveAs => {
                 let completed = FileFor::SaveAs.completed(path.clone());
-                // Whoever chose a path was asked about that one.
+                // The dialog asked about replacing the path as chosen, not with the added extension.
                 if completed != path && self.replaces(&completed) {
                     self.dialog = Dialog::Path(FileFor::SaveAs, completed.to_string_lossy().into_owned());
                 } else {

@@ -1,4 +1,4 @@
-//! The system's dialogs for files, asked beside the window: it goes on while they are open.
+//! The system's file dialogs. They run on a thread of their own, so that the window stays responsive while one is open.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -6,68 +6,68 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::Context;
 
-/// What is asked for.
+/// The kind of file or folder that is asked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Question {
     /// A graph to open.
     Open,
-    /// Where to write a graph; the name to start from.
+    /// A path to write a graph to; holds the suggested file name.
     Save(String),
     /// A file that a node reads.
     Source,
-    /// A folder to build to.
+    /// A folder to build into.
     Folder,
 }
 
-/// Asks, and gives where the answer will come.
+/// Opens a dialog that starts in a folder, and returns where its answer arrives.
 pub type Asker = Box<dyn Fn(Question, Option<&Path>, &Context) -> Answer>;
 
-/// How quickly a dialog ends that never opened: nobody closes one in that time.
+/// A dialog that ends without a path in less than this time never opened: no user is that quick.
 const NEVER_OPENED: Duration = Duration::from_millis(400);
 
-/// What came of asking.
+/// The result of a file dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Given {
+pub(crate) enum Reply {
     /// A path was chosen.
     Path(PathBuf),
-    /// Nothing was chosen.
+    /// The dialog was cancelled.
     Nothing,
-    /// The system has no dialogs: the editor asks by itself.
+    /// The system has no file dialogs, so that the editor asks for a path in a window of its own.
     NoDialogs,
 }
 
-/// An answer that may not be there yet.
+/// The answer of a file dialog, which may still be open.
 #[derive(Debug)]
-pub struct Answer(Receiver<Given>);
+pub struct Answer(Receiver<Reply>);
 
 impl Answer {
-    /// An answer that is known: for those who ask nobody.
+    /// An answer that is known from the start, for tests and other callers without dialogs.
     pub fn known(path: Option<PathBuf>) -> Self {
         let (to, from) = channel();
-        // The receiver is here.
-        let _ = to.send(path.map_or(Given::Nothing, Given::Path));
+        // Sending cannot fail: the receiver still exists.
+        let _ = to.send(path.map_or(Reply::Nothing, Reply::Path));
         Self(from)
     }
 
     /// The answer of a system without dialogs.
     pub fn no_dialogs() -> Self {
         let (to, from) = channel();
-        // The receiver is here.
-        let _ = to.send(Given::NoDialogs);
+        // Sending cannot fail: the receiver still exists.
+        let _ = to.send(Reply::NoDialogs);
         Self(from)
     }
 
-    /// The answer, once it is there.
-    pub(crate) fn take(&self) -> Option<Given> {
+    /// The answer, or `None` while the dialog is open.
+    pub(crate) fn take(&self) -> Option<Reply> {
         match self.0.try_recv() {
-            Ok(given) => Some(given),
+            Ok(reply) => Some(reply),
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Given::Nothing),
+            Err(TryRecvError::Disconnected) => Some(Reply::Nothing),
         }
     }
 }
 
-/// Asks by the dialogs of the system.
+/// Opens a dialog of the system.
 pub(crate) fn system(question: Question, folder: Option<&Path>, ctx: &Context) -> Answer {
     let mut dialog = rfd::AsyncFileDialog::new();
     if let Some(folder) = folder {
@@ -76,7 +76,7 @@ pub(crate) fn system(question: Question, folder: Option<&Path>, ctx: &Context) -
     let graphs = |d: rfd::AsyncFileDialog| d.add_filter("Orograph graph", &["graph"]);
     let (to, from) = channel();
     let ctx = ctx.clone();
-    // The dialog is made here, as some systems ask, and waited for elsewhere.
+    // The dialog is made on this thread, as some systems require, and awaited on another one.
     let waiting: std::pin::Pin<Box<dyn Future<Output = Option<rfd::FileHandle>> + Send>> = match question {
         Question::Open => Box::pin(graphs(dialog).pick_file()),
         Question::Save(name) => Box::pin(graphs(dialog).set_file_name(name).save_file()),
@@ -85,13 +85,13 @@ pub(crate) fn system(question: Question, folder: Option<&Path>, ctx: &Context) -
     };
     std::thread::spawn(move || {
         let asked = Instant::now();
-        let given = match pollster::block_on(waiting) {
-            Some(file) => Given::Path(file.path().to_owned()),
-            None if asked.elapsed() < NEVER_OPENED => Given::NoDialogs,
-            None => Given::Nothing,
+        let reply = match pollster::block_on(waiting) {
+            Some(file) => Reply::Path(file.path().to_owned()),
+            None if asked.elapsed() < NEVER_OPENED => Reply::NoDialogs,
+            None => Reply::Nothing,
         };
-        // The window may be gone.
-        let _ = to.send(given);
+        // Sending fails when the window has closed, and the answer is no longer needed.
+        let _ = to.send(reply);
         ctx.request_repaint();
     });
     Answer(from)

@@ -1,4 +1,4 @@
-//! What the evaluator has found, for the window to look at.
+//! The results of the evaluator, for the window to read.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,196 +11,202 @@ use crate::graph::{NodeId, Source};
 use crate::render::Picture;
 use crate::value::{Bounds, Value};
 
-/// How far a node is.
+/// The progress of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum NodeState {
-    /// It will run.
+    /// The node will run.
     Waiting,
-    /// It runs; the share that is done.
+    /// The node runs; holds the share of its work that is done, 0 to 1.
     Running(f32),
-    /// It ran, in so many seconds.
+    /// The node ran; holds the seconds that it took.
     Done(f64),
-    /// It failed; why.
+    /// The node failed; holds the message.
     Failed(String),
 }
 
-/// A small picture of a node's first output.
+/// A small picture of the first output of a node.
 #[derive(Clone, Debug)]
-pub(crate) struct Seen {
+pub(crate) struct Thumbnail {
     pub(crate) key: Key,
     pub(crate) picture: Picture,
-    /// Lowest and highest value of a field.
+    /// Lowest and highest value, where the output is a field.
     pub(crate) range: Option<(f32, f32)>,
 }
 
-/// What a whole view was made for.
+/// The state of the document and the scene that an exact view shows.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Made {
+pub(crate) struct ViewContents {
     pub(crate) state: u64,
     pub(crate) scene: Scenery,
 }
 
-/// What a view is made of.
+/// The outputs that a view shows, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Scenery {
     pub(crate) target: Source,
-    /// What it is compared with.
+    /// The output that the target is compared with.
     pub(crate) against: Option<Source>,
-    /// What colours it.
+    /// The output that colours the target.
     pub(crate) drape: Option<Source>,
-    /// A mask that is being painted: shown as a tint over all.
+    /// A mask that is being painted, shown as a tint over the picture.
     pub(crate) tint: Option<Source>,
     /// Samples along the longer side.
     pub(crate) size: u32,
     pub(crate) look: Look,
 }
 
-/// What a build would take.
+/// The estimated cost of a build.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Estimate {
-    pub(crate) of: Measured,
-    /// Seconds on all cores.
+    pub(crate) of: BuildRequest,
+    /// Seconds with all threads of the engine.
     pub(crate) seconds: f64,
-    /// Bytes at the peak.
+    /// Bytes of memory at the peak.
     pub(crate) bytes: u64,
-    /// Why it would be refused.
-    pub(crate) over: Option<String>,
+    /// The message with which the engine would refuse the build; `None` where it fits the budgets.
+    pub(crate) refusal: Option<String>,
 }
 
-/// A build that is to be estimated.
+/// A build whose cost is asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Measured {
+pub(crate) struct BuildRequest {
     pub(crate) state: u64,
     pub(crate) outputs: Vec<String>,
     pub(crate) size: u32,
 }
 
-/// What the view shows.
+/// A value in the view, with its picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Shown {
-    /// Another for each in this process: tells whether a view or a device has it already.
+    /// A number that is unique in this process; views compare it with that of the value they last uploaded.
     pub(crate) id: u64,
     pub(crate) value: Value,
     pub(crate) picture: Arc<Picture>,
-    /// Whether it is a coarser stand-in for what is being made.
-    pub(crate) draft: bool,
+    /// Whether this is a draft: a coarser result, shown until the exact one is there.
+    pub(crate) is_draft: bool,
     pub(crate) effective_cell: Option<f64>,
     /// The extent of the whole terrain.
     pub(crate) bounds: Bounds,
 }
 
 impl Shown {
-    /// A number for something new.
+    /// An `id` that was not used before.
     pub(crate) fn next_id() -> u64 {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         NEXT.fetch_add(1, Ordering::Relaxed)
     }
 }
 
-/// An evaluation that was not started.
+/// An evaluation that was not started because its estimate exceeds a limit.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Held {
-    /// Where it is over the budget of memory: why, and the bytes that it needs.
-    pub(crate) over: Option<(String, u64)>,
+pub(crate) struct Unstarted {
+    /// The message and the bytes needed, where the estimate exceeds the memory budget.
+    pub(crate) over_budget: Option<(String, u64)>,
     /// Estimated seconds.
     pub(crate) seconds: f64,
-    /// Bytes of files that must be read before it is known what they hold.
+    /// Bytes of files that must be read before the evaluation can start.
     pub(crate) unread: u64,
 }
 
 /// Pictures under sun and sky, with cast shadows.
 #[derive(Clone, Debug)]
 pub(crate) struct Lit {
-    /// The showing that they are of, and what it was made of.
+    /// The number of the showing (see `Board::showings`) that the pictures are of.
     pub(crate) showing: u64,
     scene: Option<Scenery>,
-    /// Another for each picture.
+    /// A number that differs for each picture.
     pub(crate) number: u64,
     pub(crate) light: Light,
     pub(crate) picture: Arc<Picture>,
     pub(crate) against: Option<Arc<Picture>>,
 }
 
-/// What was found so far.
+/// The results so far.
 #[derive(Debug, Default)]
 pub(crate) struct Board {
-    /// Counts up with everything that is put on it.
+    /// A counter that rises with every change of the board.
     pub(crate) news: u64,
-    pub(crate) busy: bool,
+    pub(crate) is_busy: bool,
     pub(crate) shown: Option<Shown>,
-    /// What it is compared with.
+    /// The value that `shown` is compared with.
     pub(crate) against: Option<Shown>,
-    /// A part of it, finer.
+    /// A part of `shown` with finer samples.
     pub(crate) detail: Option<Shown>,
-    /// What it is made of.
+    /// The scene that `shown` belongs to.
     scene: Option<Scenery>,
-    /// What the exact whole view was made for.
-    pub(crate) made: Option<Made>,
-    /// Counts up with each thing that is shown.
+    /// The state and scene of the exact view; `None` while a draft is shown.
+    pub(crate) contents: Option<ViewContents>,
+    /// A counter that rises with each value that is shown, drafts included.
     pub(crate) showings: u64,
-    /// The picture of a showing under a light, and of what it is compared with.
+    /// The lit pictures of a showing.
     pub(crate) lit: Option<Lit>,
-    /// The showing that cannot be lit, and the light that was asked for.
-    dark: Option<(u64, Light)>,
+    /// The showing and the light whose shading failed, which is not tried again.
+    unlit: Option<(u64, Light)>,
     pub(crate) estimate: Option<Estimate>,
     pub(crate) failure: Option<(u64, String)>,
-    pub(crate) held: Option<Held>,
+    pub(crate) unstarted: Option<Unstarted>,
     pub(crate) nodes: BTreeMap<NodeId, NodeState>,
-    pub(crate) thumbnails: BTreeMap<NodeId, Seen>,
+    pub(crate) thumbnails: BTreeMap<NodeId, Thumbnail>,
 }
 
 impl Board {
     pub(crate) fn begin(&mut self, order: &Order) {
         self.news += 1;
-        self.busy = true;
-        self.held = None;
+        self.is_busy = true;
+        self.unstarted = None;
         self.failure = None;
         self.nodes.retain(|id, state| {
-            // What was given up will be said anew, and so will failures.
+            // Nodes that were waiting, running or failed report their state again in this evaluation.
             matches!(state, NodeState::Done(_)) && order.graph.get(*id).is_some()
         });
         self.thumbnails.retain(|id, _| order.graph.get(*id).is_some());
         if order.scene.is_none() {
-            (self.shown, self.against, self.detail, self.made) = (None, None, None, None);
+            (self.shown, self.against, self.detail, self.contents) = (None, None, None, None);
             self.showings += 1;
         }
     }
 
     pub(crate) fn end(&mut self, whole: bool) {
         self.news += 1;
-        self.busy = false;
+        self.is_busy = false;
         if !whole {
             self.nodes.retain(|_, state| !matches!(state, NodeState::Waiting | NodeState::Running(_)));
         }
     }
 
-    pub(crate) fn hold(&mut self, held: Held) {
+    pub(crate) fn refuse(&mut self, unstarted: Unstarted) {
         self.news += 1;
-        self.held = Some(held);
+        self.unstarted = Some(unstarted);
     }
 
-    /// Shows a whole view of a scene; `made` says what for, when it is exact.
-    pub(crate) fn show(&mut self, scene: Scenery, shown: Shown, against: Option<Shown>, made: Option<Made>) {
+    /// Shows the whole terrain of a scene; `contents` is `None` for a draft.
+    pub(crate) fn show(
+        &mut self,
+        scene: Scenery,
+        shown: Shown,
+        against: Option<Shown>,
+        contents: Option<ViewContents>,
+    ) {
         self.news += 1;
         self.showings += 1;
         self.failure = None;
         (self.shown, self.against, self.scene) = (Some(shown), against, Some(scene));
-        self.made = made;
+        self.contents = contents;
         self.detail = None;
     }
 
-    /// Shows a finer part of what is shown.
-    pub(crate) fn refine(&mut self, detail: Shown) {
+    /// Adds a finer part of the shown value.
+    pub(crate) fn show_detail(&mut self, detail: Shown) {
         self.news += 1;
         self.detail = Some(detail);
     }
 
-    /// Takes the lit pictures of what is shown and of what it is compared with; none where it cannot be lit.
-    pub(crate) fn take_light(&mut self, light: Light, lit: Option<(Picture, Option<Picture>)>) {
+    /// Stores the lit pictures of the shown value and of the one it is compared with; `None` where shading failed.
+    pub(crate) fn set_lit(&mut self, light: Light, lit: Option<(Picture, Option<Picture>)>) {
         self.news += 1;
         let (showing, number) = (self.showings, self.news);
         match lit {
-            None => self.dark = Some((showing, light)),
+            None => self.unlit = Some((showing, light)),
             Some((picture, against)) => {
                 let (picture, against) = (Arc::new(picture), against.map(Arc::new));
                 self.lit = Some(Lit { showing, scene: self.scene.clone(), number, light, picture, against });
@@ -208,61 +214,61 @@ impl Board {
         }
     }
 
-    /// Whether what is shown is lit by a light, or cannot be.
+    /// Whether the shown value has its picture under a light, or shading it failed.
     pub(crate) fn is_lit(&self, light: Light) -> bool {
-        self.dark == Some((self.showings, light)) || self.lit_now().is_some_and(|lit| lit.light == light)
+        self.unlit == Some((self.showings, light)) || self.lit_now().is_some_and(|lit| lit.light == light)
     }
 
-    /// The lit pictures of what is shown now.
+    /// The lit pictures of the shown value.
     pub(crate) fn lit_now(&self) -> Option<&Lit> {
         self.lit.as_ref().filter(|lit| lit.showing == self.showings)
     }
 
-    /// The lit pictures to show: those of what is shown now, else those of the same scene a moment ago, so that the
-    /// light does not go out while a hand moves.
-    pub(crate) fn lit_lately(&self) -> Option<&Lit> {
-        self.lit_now().or(self.lit.as_ref().filter(|lit| self.busy && lit.scene == self.scene))
+    /// The lit pictures of the shown value, or, while an evaluation runs, the last ones of the same scene, so that the
+    /// view does not flicker between lit and unlit pictures during a drag.
+    pub(crate) fn lit_now_or_before(&self) -> Option<&Lit> {
+        self.lit_now().or(self.lit.as_ref().filter(|lit| self.is_busy && lit.scene == self.scene))
     }
 
-    pub(crate) fn measure(&mut self, estimate: Estimate) {
+    pub(crate) fn set_estimate(&mut self, estimate: Estimate) {
         self.news += 1;
         self.estimate = Some(estimate);
     }
 
-    pub(crate) fn view_fails(&mut self, state: u64, why: String) {
+    pub(crate) fn fail_view(&mut self, state: u64, why: String) {
         self.news += 1;
         self.failure = Some((state, why));
     }
 
-    pub(crate) fn node(&mut self, id: NodeId, state: NodeState) {
+    pub(crate) fn set_node(&mut self, id: NodeId, state: NodeState) {
         self.news += 1;
         self.nodes.insert(id, state);
     }
 
-    pub(crate) fn thumbnail(&mut self, id: NodeId, seen: Seen) {
+    pub(crate) fn set_thumbnail(&mut self, id: NodeId, thumbnail: Thumbnail) {
         self.news += 1;
-        self.thumbnails.insert(id, seen);
+        self.thumbnails.insert(id, thumbnail);
     }
 
-    /// Whether what is shown is what would be made, under the light where one is wanted.
-    pub(crate) fn stands(&self, made: &Made, light: Option<Light>) -> bool {
+    /// Whether the view shows exactly these contents, under the light where one is given.
+    pub(crate) fn is_current(&self, contents: &ViewContents, light: Option<Light>) -> bool {
         let is_lit = light.is_none_or(|light| self.is_lit(light));
-        self.is_made(made) && is_lit
+        self.shows(contents) && is_lit
     }
 
-    /// Whether what is shown is what would be made, whatever the light.
-    pub(crate) fn is_made(&self, made: &Made) -> bool {
-        self.failure.is_none() && self.made.as_ref() == Some(made)
+    /// Whether the view shows exactly these contents, under whatever light.
+    pub(crate) fn shows(&self, contents: &ViewContents) -> bool {
+        self.failure.is_none() && self.contents.as_ref() == Some(contents)
     }
 
-    /// Whether a node has no picture of its present result.
-    pub(crate) fn lacks(&self, id: NodeId, key: Key) -> bool {
+    /// Whether a node has no thumbnail of the result with this key, and has not failed.
+    pub(crate) fn needs_thumbnail(&self, id: NodeId, key: Key) -> bool {
         let failed = matches!(self.nodes.get(&id), Some(NodeState::Failed(_)));
-        !failed && self.thumbnails.get(&id).is_none_or(|seen| seen.key != key)
+        !failed && self.thumbnails.get(&id).is_none_or(|thumbnail| thumbnail.key != key)
     }
 
-    /// Drops the pictures of nodes that have no result now.
-    pub(crate) fn keep(&mut self, keys: &BTreeMap<NodeId, Key>) {
+    /// Drops the thumbnails of nodes that have no key, and so no result.
+    pub(crate) fn retain_thumbnails(&mut self, keys: &BTreeMap<NodeId, Key>) {
         self.thumbnails.retain(|id, _| keys.contains_key(id));
     }
 }

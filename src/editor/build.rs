@@ -1,5 +1,5 @@
-//! The build: `orograph build` as a process of its own, so that the same happens as on a farm, the window waits for
-//! nothing, and stopping is certain.
+//! The build: `orograph build` as a process of its own, so that it does the same as on a build farm, the window never
+//! blocks, and stopping it always works.
 
 mod progress;
 
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use eframe::egui::{self, Context, RichText, Ui};
 
 use super::app::{Editor, FileFor};
-use super::board::Measured;
+use super::board::BuildRequest;
 use super::dialogs::{Dialog, modal};
 use super::inspector::named;
 use super::theme;
@@ -16,17 +16,17 @@ use crate::files::Format;
 use crate::graph::Graph;
 use progress::Running;
 
-/// What the build shall do, and how far it is.
+/// The settings of the build, and the build that runs.
 pub(super) struct BuildDialog {
     pub(super) folder: String,
     size: u32,
     tiles: u32,
-    /// The format of all outputs; none for each its own.
+    /// The format of all outputs; `None` where each output has its own.
     format: Option<Format>,
     overwrite: bool,
     chosen: Vec<String>,
     running: Option<Running>,
-    /// The program that builds; this one.
+    /// The program that builds; by default this one.
     pub(super) program: Option<PathBuf>,
 }
 
@@ -143,7 +143,7 @@ impl Editor {
         });
     }
 
-    /// What the build would take, as `orograph plan` says it.
+    /// Shows the estimated cost of the build.
     fn build_estimate(&self, ui: &mut Ui) {
         if self.graph().terrain().grid(self.build.size).is_err() {
             return;
@@ -157,8 +157,8 @@ impl Editor {
         let mebibytes = estimate.bytes as f64 / f64::from(1 << 20);
         let time = super::canvas::time(estimate.seconds);
         ui.label(format!("Takes about {time} and {mebibytes:.0} MB of memory, before tiles."));
-        if let Some(over) = estimate.over {
-            ui.add(egui::Label::new(RichText::new(over).color(theme::WARNING)).wrap());
+        if let Some(refusal) = estimate.refusal {
+            ui.add(egui::Label::new(RichText::new(refusal).color(theme::WARNING)).wrap());
         }
     }
 }
@@ -218,12 +218,12 @@ impl BuildDialog {
         }
     }
 
-    /// What is to be estimated.
-    pub(super) fn measured(&self, state: u64) -> Measured {
-        Measured { state, outputs: self.chosen.clone(), size: self.size }
+    /// The build whose cost is to be estimated.
+    pub(super) fn measured(&self, state: u64) -> BuildRequest {
+        BuildRequest { state, outputs: self.chosen.clone(), size: self.size }
     }
 
-    /// The command line, as words.
+    /// The arguments of the program.
     fn words(&self, graph: &std::path::Path, document: &Graph) -> Vec<String> {
         let mut words = vec!["build".to_owned(), graph.to_string_lossy().into_owned()];
         let mut say = |name: &str, value: String| words.extend([name.to_owned(), value]);
@@ -245,7 +245,7 @@ impl BuildDialog {
     }
 }
 
-/// A command line for a shell.
+/// The command line with the arguments quoted for a shell.
 fn line(words: &[String]) -> String {
     let plain = |w: &str| !w.is_empty() && w.chars().all(|c| c.is_ascii_alphanumeric() || "-_./".contains(c));
     let quoted = |w: &String| if plain(w) { w.clone() } else { format!("'{}'", w.replace('\'', r"'\''")) };

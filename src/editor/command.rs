@@ -1,11 +1,10 @@
-//! Everything that can be done by name: menus, keys, the palette, the cheat sheet and what happens all come from this
-//! list.
+//! The commands. Menus, keys, the palette and the cheat sheet are all made from one list.
 
 use eframe::egui::{self, Button, Key, KeyboardShortcut, Modifiers, Response, Ui, ViewportCommand};
 
 use super::actions::After;
 use super::app::{Editor, FileFor};
-use super::canvas::arrange::{Side, align, columns};
+use super::canvas::arrange::{AlignEdge, align, columns};
 use super::dialogs::Dialog;
 use super::ops;
 use super::panels::Tab;
@@ -15,14 +14,14 @@ const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-/// A row a command: what it does as its doc comment, its name in menus, its key, when it would do something, whether it
-/// is on where it is a switch, and what it does.
+/// Declares the commands, one a row: the help text as a doc comment, the name in menus, the key, the condition under
+/// which it is enabled, whether it is on where it is a switch, and the action.
 macro_rules! commands {
     ($(
         #[doc = $help:literal]
         $command:ident = $name:literal $($modifiers:ident $key:ident)? $(, if $can:expr)? $(, on $on:expr)? => $does:expr;
     )*) => {
-        /// Something the editor can do.
+        /// An action of the editor that has a name.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub(crate) enum Command {
             $(#[doc = $help] $command,)*
@@ -32,21 +31,21 @@ macro_rules! commands {
             /// All commands, in the order of the cheat sheet.
             pub(crate) const ALL: &[Self] = &[$(Self::$command,)*];
 
-            /// Its name in menus.
+            /// The name in menus.
             pub(crate) fn name(self) -> &'static str {
                 match self {
                     $(Self::$command => $name,)*
                 }
             }
 
-            /// What it does, in a sentence.
+            /// The help text, one sentence.
             pub(crate) fn help(self) -> &'static str {
                 match self {
                     $(Self::$command => $help.trim_ascii(),)*
                 }
             }
 
-            /// Its key.
+            /// The key, where the command has one.
             pub(crate) fn shortcut(self) -> Option<KeyboardShortcut> {
                 match self {
                     $($(Self::$command => Some(KeyboardShortcut::new($modifiers, Key::$key)),)?)*
@@ -64,7 +63,7 @@ macro_rules! commands {
                 does(self, ctx);
             }
 
-            /// Whether a command would do something now.
+            /// Whether a command is enabled.
             pub(super) fn can(&self, command: Command) -> bool {
                 let can: fn(&Self) -> bool = match command {
                     $($(Command::$command => $can,)?)*
@@ -141,26 +140,26 @@ commands! {
     /// Brings all nodes into columns from sources to results
     ArrangeAll = "Arrange all" SHIFT L => |e, _| e.arrange_all();
     /// Brings the left sides of the selected nodes to one line
-    AlignLeft = "Align left", if |e| e.canvas.chosen.nodes.len() > 1 => |e, _| e.on_chosen("Align left", |g, ids| align(g, ids, Side::Left));
+    AlignLeft = "Align left", if |e| e.canvas.chosen.nodes.len() > 1 => |e, _| e.on_chosen("Align left", |g, ids| align(g, ids, AlignEdge::Left));
     /// Brings the upper sides of the selected nodes to one line
-    AlignTop = "Align top", if |e| e.canvas.chosen.nodes.len() > 1 => |e, _| e.on_chosen("Align top", |g, ids| align(g, ids, Side::Top));
+    AlignTop = "Align top", if |e| e.canvas.chosen.nodes.len() > 1 => |e, _| e.on_chosen("Align top", |g, ids| align(g, ids, AlignEdge::Top));
     /// Draws feature curves onto the terrain, on the selected node or on new ones
     Draw = "Draw curves" NONE K => |e, _| e.draw();
     /// Paints a mask onto the terrain with a brush, on the selected node or on a new one
     Paint = "Paint mask" NONE M => |e, _| e.paint();
     /// Compares what is shown with the selected node, or with what goes into it
-    Compare = "Compare" NONE C, on |e| e.wipe.on => |e, _| e.wipe.on = !e.wipe.on;
+    Compare = "Compare" NONE C, on |e| e.wipe.is_on => |e, _| e.wipe.is_on = !e.wipe.is_on;
     /// Shows what is selected, or everything
     FrameView = "Zoom to selection or all" NONE F => |e, _| e.canvas.frame(e.document.graph());
     /// Moves nodes in steps of the grid
     Snap = "Snap to grid", on |e| e.canvas.snap => |e, _| {
         e.canvas.snap = !e.canvas.snap;
-        e.write_settings();
+        e.write_preferences();
     };
     /// Shows on each node how long it took
-    Times = "Times on nodes", on |e| e.settings.times => |e, _| {
-        e.settings.times = !e.settings.times;
-        e.write_settings();
+    Times = "Times on nodes", on |e| e.preferences.times => |e, _| {
+        e.preferences.times = !e.preferences.times;
+        e.write_preferences();
     };
     /// Finds a command by name
     Palette = "Command palette" COMMAND_SHIFT P => |e, _| e.dialog = Dialog::palette();
@@ -170,9 +169,9 @@ commands! {
     History = "History" COMMAND H => |e, _| e.tab = Tab::History;
     /// Changes between the dark and the light theme
     Theme = "Dark or light theme" => |e, ctx| {
-        e.settings.dark = !e.settings.dark;
+        e.preferences.dark = !e.preferences.dark;
         e.set_theme(ctx);
-        e.write_settings();
+        e.write_preferences();
     };
 }
 
@@ -185,12 +184,12 @@ fn has_nodes(editor: &Editor) -> bool {
 }
 
 impl Command {
-    /// Whether its key is the system's own for the clipboard, which arrives as an event of its own.
+    /// Whether the key is one of the system's keys for the clipboard, which arrive as events of their own.
     fn is_clipboard(self) -> bool {
         matches!(self, Self::Cut | Self::Copy | Self::Paste)
     }
 
-    /// A button with its name and key; of a switch also whether it is on.
+    /// Shows a button with the name and the key, and for a switch whether it is on.
     pub(crate) fn button(self, ui: &mut Ui, enabled: bool, on: bool) -> Response {
         let mut button = Button::new(self.name()).selected(on);
         if let Some(shortcut) = self.shortcut() {
@@ -199,7 +198,7 @@ impl Command {
         ui.add_enabled(enabled, button).on_hover_text(self.help())
     }
 
-    /// The command whose key was pressed; keys that write text are left to a text field that has the focus.
+    /// The command whose key was pressed. Keys that type text are left to a text field that has the focus.
     pub(crate) fn pressed(ctx: &egui::Context) -> Option<Self> {
         let typing = ctx.egui_wants_keyboard_input();
         let mut keyed: Vec<(Self, KeyboardShortcut)> =
@@ -221,7 +220,7 @@ impl Command {
     }
 }
 
-/// Second keys of some commands, as other programs have them.
+/// The command of a second key, as other programs have it.
 fn extra_key(ctx: &egui::Context) -> Option<Command> {
     let pressed = |m, k| ctx.input_mut(|i| i.consume_key(m, k));
     if pressed(COMMAND, Key::Y) {

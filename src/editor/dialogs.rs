@@ -1,4 +1,4 @@
-//! What is asked before something is lost, and what helps to find things.
+//! Dialogs: questions before work is lost, the palette of commands and the search for nodes.
 
 use eframe::egui::{self, Context, Key, Ui};
 
@@ -11,35 +11,35 @@ use super::recovery::Orphan;
 use crate::editor::shown;
 use crate::graph::NodeId;
 
-/// What is open over the window.
+/// The dialog that is open over the window.
 pub(super) enum Dialog {
     None,
     /// The first-run page.
     Welcome,
-    /// Work of sessions that did not end well.
+    /// The offer of unsaved work of sessions that crashed.
     Recover(Vec<Orphan>),
-    /// Unsaved work, and what was to happen.
+    /// The question about unsaved work, and what follows the answer.
     Unsaved(After),
-    /// The file was changed by others while there is unsaved work.
+    /// The question about a file that another program has changed while there is unsaved work; holds its bytes.
     Changed(Vec<u8>),
-    /// All keys.
+    /// The list of keys.
     Help,
-    /// All commands.
+    /// The list of commands.
     Palette(Finder),
-    /// The nodes of the graph.
+    /// The list of the nodes of the graph.
     Find(Finder),
-    /// The build.
+    /// The settings and the progress of a build.
     Build,
-    /// A path to be typed, where the system has no dialogs for files.
+    /// The field for a path, where the system has no file dialogs.
     Path(FileFor, String),
 }
 
-/// A text to find something by.
+/// A search field over a list.
 #[derive(Default)]
 pub(super) struct Finder {
     query: String,
     chosen: usize,
-    old: bool,
+    has_asked_focus: bool,
 }
 
 impl Dialog {
@@ -51,7 +51,7 @@ impl Dialog {
         Self::Find(Finder::default())
     }
 
-    /// Whether keys should wait until it is closed.
+    /// Whether keys go to the dialog and not to the editor.
     pub(super) fn is_modal(&self) -> bool {
         !matches!(self, Self::None)
     }
@@ -72,13 +72,13 @@ impl Editor {
             Dialog::Build => self.build_window(ctx),
             Dialog::Path(purpose, text) => self.path(ctx, purpose, text),
         };
-        // What was opened by a button of this one goes before it.
+        // A dialog that was opened by a button of this one replaces it.
         if let (Some(dialog), Dialog::None) = (stays, &self.dialog) {
             self.dialog = dialog;
         }
     }
 
-    /// What the field for a path starts with: the folder of the graph, or the one the program was started in.
+    /// The initial text of the field for a path: the folder of the graph, or the current folder.
     pub(super) fn typed_path(&self, purpose: &FileFor) -> String {
         let own = self.document.path().and_then(std::path::Path::parent).map(std::path::Path::to_owned);
         let folder = own.and_then(|f| std::path::absolute(f).ok()).or_else(|| std::env::current_dir().ok());
@@ -166,7 +166,7 @@ impl Editor {
                 Ok(document) => {
                     self.adopt(ctx, document);
                     self.notices.say("Recovered. Save it to keep it");
-                    // Without a keeper it is offered again at the next start.
+                    // Where there is no keeper, the work is offered again at the next start.
                     if let Some(keeper) = &mut self.keeper {
                         keeper.take(orphan);
                     }
@@ -320,7 +320,7 @@ impl Finder {
             let edit = egui::TextEdit::singleline(&mut self.query).hint_text(format!("Search {title}"));
             let edit = ui.add(edit.desired_width(f32::INFINITY));
             named_text(&edit, &self.query, &format!("Search {title}"));
-            if !std::mem::replace(&mut self.old, true) {
+            if !std::mem::replace(&mut self.has_asked_focus, true) {
                 edit.request_focus();
             }
             if edit.changed() {
@@ -343,7 +343,7 @@ impl Finder {
     }
 }
 
-/// All keys, from the list of commands.
+/// Shows the list of keys, made from the list of commands.
 fn help(ctx: &Context) -> Option<Dialog> {
     let closed = modal(ctx, "keys", 640.0, |ui| {
         ui.heading("Keys");
@@ -384,7 +384,7 @@ fn help(ctx: &Context) -> Option<Dialog> {
     (!closed).then_some(Dialog::Help)
 }
 
-/// A window that waits for an answer; true when it was closed.
+/// Shows a modal dialog; returns whether it was closed.
 pub(super) fn modal(ctx: &Context, id: &str, width: f32, contents: impl FnOnce(&mut Ui)) -> bool {
     let modal = egui::Modal::new(egui::Id::new(("dialog", id))).show(ctx, |ui| {
         ui.set_width(width);

@@ -1,4 +1,4 @@
-//! The document on the desk: the graph with its history and its file.
+//! The document: a graph with its history and its file.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,9 +13,9 @@ use crate::whole::{self, Known};
 pub struct Document {
     history: History,
     path: Option<PathBuf>,
-    /// The state that the file holds.
+    /// The number of the state that was last read from the file or written to it.
     saved: Option<u64>,
-    /// The bytes that were last read from the file or written to it: tells a changed file from ours.
+    /// The bytes that were last read from the file or written to it, to tell when another program has changed it.
     on_disk: Option<Arc<[u8]>>,
     problems: (u64, Arc<[Problem]>),
 }
@@ -29,7 +29,7 @@ impl Document {
     /// Opens a file.
     ///
     /// # Errors
-    /// When it is not a graph.
+    /// Fails when the bytes are no graph, or the file cannot be read.
     pub fn open(path: &Path, registry: &Registry) -> Result<Self, LoadError> {
         let graph = Graph::open(path, registry)?;
         let bytes = graph.to_bytes();
@@ -38,24 +38,25 @@ impl Document {
         Ok(document)
     }
 
-    /// A graph that is in no file yet: a preset to start from.
+    /// A document without a file, made from a graph such as a preset.
     pub fn adopted(graph: Graph, label: &str) -> Self {
         Self { saved: None, ..Self::of(graph, None, label) }
     }
 
-    /// Work that was kept from a crash. The file it belongs to is ours to write only while it holds what it held then;
-    /// `known` tells, and none is what an older version kept.
-    pub fn recovered(graph: Graph, path: Option<PathBuf>, known: Option<&str>) -> Self {
+    /// A document made from unsaved work of a session that crashed. It may be saved to its file only while this still
+    /// has the content that it had then; `hash` is the [`file_hash`](Self::file_hash) of that time. Older versions
+    /// stored none, and then the file may be written.
+    pub fn recovered(graph: Graph, path: Option<PathBuf>, hash: Option<&str>) -> Self {
         let found = path.as_ref().and_then(|path| std::fs::read(path).ok());
-        let ours = |found: &Vec<u8>| known.is_none_or(|known| known == mark(found));
-        // What is not ours is as if something else had been read.
+        let ours = |found: &Vec<u8>| hash.is_none_or(|hash| hash == hash_of(found));
+        // Other bytes than those of the file make saving fail with `Changed`.
         let on_disk = found.map(|found| if ours(&found) { found.into() } else { Arc::from([]) });
         Self { saved: None, on_disk, ..Self::of(graph, path, "Recovered") }
     }
 
-    /// What the file held when it was last read or written, in short.
-    pub fn known(&self) -> Option<String> {
-        self.on_disk.as_deref().map(mark)
+    /// The hash of what the file held when it was last read or written.
+    pub fn file_hash(&self) -> Option<String> {
+        self.on_disk.as_deref().map(hash_of)
     }
 
     fn of(graph: Graph, path: Option<PathBuf>, label: &str) -> Self {
@@ -63,46 +64,46 @@ impl Document {
         Self { history: History::new(graph, label), path, saved: Some(0), on_disk: None, problems }
     }
 
-    /// The graph as it is now.
+    /// The graph in its current state.
     pub fn graph(&self) -> &Graph {
         &self.history.current().graph
     }
 
-    /// The graph as it is now, to be handed to other threads.
+    /// The graph in its current state, to be shared with other threads.
     pub fn shared(&self) -> Arc<Graph> {
         self.history.current().graph.clone()
     }
 
-    /// Which state it is in; another after each change, the same again after undo.
+    /// The number of the current state. Each change has a new number; undo restores the old one.
     pub fn state(&self) -> u64 {
         self.history.current().id
     }
 
-    /// The file.
+    /// The file of the document, if it has one.
     pub fn path(&self) -> Option<&Path> {
         self.path.as_deref()
     }
 
-    /// What people call it: the name of its file, without the extension.
+    /// The name of the file without its extension, or `untitled`.
     pub fn name(&self) -> String {
         let stem = self.path.as_ref().and_then(|p| p.file_stem());
         stem.map_or_else(|| "untitled".to_owned(), |s| s.to_string_lossy().into_owned())
     }
 
-    /// Whether it differs from its file.
+    /// Whether the document differs from its file.
     pub fn is_unsaved(&self) -> bool {
         self.saved != Some(self.state())
     }
 
-    /// What is wrong with the graph.
+    /// The errors and warnings of the graph.
     pub fn problems(&self) -> &[Problem] {
         &self.problems.1
     }
 
-    /// Changes the graph; a refused or empty change leaves no trace.
+    /// Changes the graph. A refused change, or one that changes nothing, leaves graph and history as they were.
     ///
     /// # Errors
-    /// Those of the change.
+    /// Returns the problem for which the change was refused.
     pub fn edit<T>(
         &mut self,
         label: &str,
@@ -111,10 +112,10 @@ impl Document {
         self.change(label, None, change)
     }
 
-    /// Changes the graph as part of a gesture, as dragging a slider: all changes of one gesture are undone at once.
+    /// Changes the graph as part of a gesture, such as dragging a slider. All changes of a gesture are undone at once.
     ///
     /// # Errors
-    /// Those of the change.
+    /// Returns the problem for which the change was refused.
     pub fn gesture<T>(
         &mut self,
         label: &str,
@@ -124,9 +125,9 @@ impl Document {
         self.change(label, Some(gesture), change)
     }
 
-    /// Ends a gesture: the next change is undone by itself.
-    pub fn rest(&mut self) {
-        self.history.rest();
+    /// Ends a gesture, so that the next change is undone by itself.
+    pub fn end_gesture(&mut self) {
+        self.history.end_gesture();
     }
 
     fn change<T>(
@@ -140,38 +141,38 @@ impl Document {
         let given = change(&mut graph)?;
         if graph.edits() != before {
             self.history.push(label, gesture, graph);
-            self.look();
+            self.find_problems();
         }
         Ok(given)
     }
 
-    /// Takes the last change back; false where there is none.
+    /// Undoes the last change; returns false where there is none.
     pub fn undo(&mut self) -> bool {
-        self.history.undo() && self.look()
+        self.history.undo() && self.find_problems()
     }
 
-    /// Does what was undone again; false where there is nothing.
+    /// Makes the change again that was undone last; returns false where there is none.
     pub fn redo(&mut self) -> bool {
-        self.history.redo() && self.look()
+        self.history.redo() && self.find_problems()
     }
 
-    /// Goes to a state of the history by its place in [`states`](Self::states).
+    /// Makes the state at an index of [`states`](Self::states) the current one; returns false where there is none.
     pub fn go(&mut self, to: usize) -> bool {
-        self.history.go(to) && self.look()
+        self.history.go(to) && self.find_problems()
     }
 
-    /// What undo and redo would do, where they would do something.
+    /// The names of the changes that undo and redo would make, where there are some.
     pub fn undo_labels(&self) -> [Option<&str>; 2] {
         [self.history.undo_label(), self.history.redo_label()]
     }
 
-    /// What led to each state, oldest first, and which state is shown.
+    /// The name of the change that led to each state, oldest first, and the index of the current state.
     pub fn states(&self) -> (Vec<&str>, usize) {
         let (states, at) = self.history.list();
         (states.map(|s: &State| s.label.as_str()).collect(), at)
     }
 
-    fn look(&mut self) -> bool {
+    fn find_problems(&mut self) -> bool {
         let state = self.state();
         if self.problems.0 != state {
             self.problems = (state, self.graph().problems().into());
@@ -182,8 +183,8 @@ impl Document {
     /// Writes the file, whole or not at all.
     ///
     /// # Errors
-    /// Those of the file system, and [`Changed`](crate::whole::Changed) when the document's own file was changed by
-    /// others since it was read or written; the document is then as unsaved as before.
+    /// Returns the errors of the file system, and [`Changed`](crate::whole::Changed) when another program has changed
+    /// the document's own file since it was read or written. The document then stays unsaved.
     pub fn save(&mut self, path: &Path) -> std::io::Result<()> {
         let bytes = self.graph().to_bytes();
         let known = match &self.on_disk {
@@ -194,39 +195,39 @@ impl Document {
         self.path = Some(path.to_owned());
         self.saved = Some(self.state());
         self.on_disk = Some(bytes.into());
-        self.rest();
+        self.end_gesture();
         Ok(())
     }
 
-    /// What the file holds, if it is not what was last read or written: somebody else changed it.
+    /// The bytes of the file, where another program has changed it since it was last read or written.
     pub fn foreign_change(&self) -> Option<Vec<u8>> {
         let (path, known) = (self.path.as_ref()?, self.on_disk.as_ref()?);
         let found = std::fs::read(path).ok()?;
         (*found != **known).then_some(found)
     }
 
-    /// Takes over what somebody else wrote to the file, as a change that can be undone.
+    /// Replaces the graph by the one that another program wrote to the file, as a change that can be undone.
     ///
     /// # Errors
-    /// When it is not a graph.
+    /// Fails when the bytes are no graph, or the file cannot be read.
     pub fn reload(&mut self, bytes: Vec<u8>) -> Result<(), LoadError> {
         let graph = Graph::from_bytes(&bytes, self.graph().registry())?;
         self.history.push("Reload from disk", None, graph);
         self.saved = Some(self.state());
         self.on_disk = Some(bytes.into());
-        self.look();
+        self.find_problems();
         Ok(())
     }
 
-    /// Keeps what is on the desk although the file says something else.
+    /// Keeps the document although another program has written these bytes to its file; the next save replaces them.
     pub fn keep_mine(&mut self, on_disk: Vec<u8>) {
         self.on_disk = Some(on_disk.into());
         self.saved = None;
     }
 }
 
-/// What tells one content of a file from another.
-fn mark(bytes: &[u8]) -> String {
+/// The hash of the content of a file, in hexadecimal.
+fn hash_of(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
 }
 
@@ -297,7 +298,7 @@ mod tests {
         let refused = document.save(&path).expect_err("was changed");
         assert!(whole::Changed::is(&refused) && document.is_unsaved());
         assert_eq!(std::fs::read(&path).expect("reads"), b"theirs");
-        // Elsewhere it may go, and here once its user has said so.
+        // Saving to another file works, and saving here once the user has decided so.
         document.save(&folder.path().join("b.graph")).expect("saves");
         document.path = Some(path.clone());
         document.keep_mine(b"theirs".to_vec());
@@ -312,17 +313,17 @@ mod tests {
         let mut lost = document();
         lost.edit("Add", |g| g.add("a", "blur")).expect("adds");
         lost.save(&path).expect("saves");
-        let known = lost.known();
-        let back = |known: Option<&str>| {
-            let mut back = Document::recovered(lost.graph().clone(), Some(path.clone()), known);
+        let hash = lost.file_hash();
+        let back = |hash: Option<&str>| {
+            let mut back = Document::recovered(lost.graph().clone(), Some(path.clone()), hash);
             assert!(back.is_unsaved());
             back.save(&path).map_err(|e| whole::Changed::is(&e))
         };
-        back(known.as_deref()).expect("as it was");
-        back(None).expect("an older version kept no mark");
+        back(hash.as_deref()).expect("as it was");
+        back(None).expect("an older version kept no hash_of");
         std::fs::write(&path, "theirs").expect("writes");
-        assert_eq!(back(known.as_deref()), Err(true));
+        assert_eq!(back(hash.as_deref()), Err(true));
         std::fs::remove_file(&path).expect("removes");
-        back(known.as_deref()).expect("is gone");
+        back(hash.as_deref()).expect("is gone");
     }
 }

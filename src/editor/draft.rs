@@ -1,19 +1,20 @@
-//! Coarser stand-ins: the grid of a preview, and a graph whose global nodes run on a coarser base grid.
+//! Drafts: the grid of a preview, and a graph whose global nodes run on a coarser base grid.
 
 use serde_json::Value as Json;
 
 use crate::graph::Graph;
 use crate::value::{Grid, Terrain};
 
-/// How much coarser drafts are, along a side; the first that is quick enough is taken.
+/// Factors by which drafts are coarser along a side; the first that is quick enough is used.
 pub(super) const COARSER: [u32; 3] = [2, 4, 8];
 
-/// The grid of the whole terrain with at most so many samples along the longer side.
+/// The grid of the whole terrain with at most `size` samples along the longer side; `None` where none fits.
 pub(super) fn preview(terrain: &Terrain, size: u32) -> Option<Grid> {
     (2..=size).rev().take(512).find_map(|size| terrain.grid(size).ok())
 }
 
-/// The graph with a coarser base grid, and its coarser preview; none where the terrain has no coarser one.
+/// The graph with a base grid coarser by a factor, and the preview grid that fits it; `None` where the factor does not
+/// divide the base grid.
 pub(super) fn draft_of(graph: &Graph, size: u32, coarser: u32) -> Option<(Graph, Grid)> {
     let intervals = graph.terrain().base - 1;
     let base = intervals.is_multiple_of(coarser).then(|| intervals / coarser + 1)?;

@@ -1,5 +1,5 @@
-//! Evaluation beside the window: one thread takes the newest order, gives up what is stale, and puts what it finds on
-//! a board that the window looks at. The window never waits for it.
+//! Evaluation in the background: a thread takes the newest order, cancels work on older ones, and puts the results on a
+//! board that the window reads. The window never blocks on an evaluation.
 
 mod estimate;
 mod thumbnails;
@@ -8,38 +8,38 @@ mod view;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use super::board::{Board, Made, Measured, Scenery};
+use super::board::{Board, BuildRequest, Scenery, ViewContents};
 use super::shade::Light;
 use crate::context::Cancel;
 use crate::engine::{Engine, EngineError, Files, Options};
 use crate::graph::{Graph, NodeId};
 use crate::value::Grid;
-use view::Found;
+use view::Evaluated;
 
-/// Bytes of files that are read without asking, to know what they hold: a fraction of a second.
+/// Bytes of files that are read without asking the user; reading them takes a fraction of a second.
 const UNASKED_BYTES: u64 = 256 << 20;
 
-/// What the window would like to see.
+/// What the window asks the evaluator for.
 #[derive(Clone, Debug)]
 pub(crate) struct Order {
     pub(crate) graph: Arc<Graph>,
-    /// The state of the document that the graph is.
+    /// The state of the document that has this graph.
     pub(crate) state: u64,
-    /// What the view shows.
+    /// The scene to show.
     pub(crate) scene: Option<Scenery>,
-    /// A part that is looked at closely: its window of a finer lattice.
+    /// The window of a finer lattice that the user has zoomed in to.
     pub(crate) detail: Option<Grid>,
-    /// The light of the picture under sun and sky, where that is wanted.
+    /// The light of the shaded picture, where one is shown.
     pub(crate) light: Option<Light>,
-    /// Nodes whose thumbnails are in sight.
+    /// Nodes whose thumbnails are visible; these are made first.
     pub(crate) in_sight: Vec<NodeId>,
-    /// A build that is to be estimated.
-    pub(crate) build: Option<Measured>,
-    /// Whether estimates over the limit were accepted.
-    pub(crate) whatever_it_takes: bool,
+    /// The build whose cost is to be estimated.
+    pub(crate) build: Option<BuildRequest>,
+    /// Whether the user has accepted estimates over the limits.
+    pub(crate) is_cost_accepted: bool,
 }
 
-/// The thread and what it shares with the window.
+/// The thread that evaluates, and the data it shares with the window.
 #[derive(Debug)]
 pub(crate) struct Evaluator {
     shared: Arc<Shared>,
@@ -47,14 +47,14 @@ pub(crate) struct Evaluator {
 }
 
 struct Shared {
-    desk: Mutex<Desk>,
+    mailbox: Mutex<Mailbox>,
     wake: Condvar,
     board: Mutex<Board>,
-    /// What the exact view was made of, to light it anew.
-    found: Mutex<Option<(Made, Found)>>,
-    /// Called when the board has news.
+    /// The values of the last exact view, so that a change of light needs no evaluation.
+    evaluated: Mutex<Option<(ViewContents, Evaluated)>>,
+    /// Called when the board has changed.
     repaint: Box<dyn Fn() + Send + Sync>,
-    /// Estimated seconds of an evaluation that is not started without asking.
+    /// Estimated seconds above which the user is asked before an evaluation starts.
     patience: f64,
 }
 
@@ -64,17 +64,17 @@ impl std::fmt::Debug for Shared {
     }
 }
 
-/// What waits for the thread.
+/// The next order, and the state of the work on the one before.
 #[derive(Debug, Default)]
-struct Desk {
+struct Mailbox {
     order: Option<Order>,
-    /// Whether the thread is at work on the one before.
-    working: bool,
-    /// Whether what it works on is done in a moment, so that a new order waits: else a hand that never rests would see
-    /// nothing.
-    soon: bool,
+    /// Whether the thread works on an order.
+    is_working: bool,
+    /// Whether the running work is short and a new order does not cancel it. Continuous dragging would otherwise cancel
+    /// every draft and never show a result.
+    is_uninterruptible: bool,
     cancel: Cancel,
-    closed: bool,
+    is_closed: bool,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -85,7 +85,7 @@ impl Evaluator {
     /// Starts the thread.
     ///
     /// # Errors
-    /// When the engine or the thread cannot be started.
+    /// Fails when the engine or the thread cannot be started.
     pub(crate) fn start(
         options: &Options,
         files: Files,
@@ -94,10 +94,10 @@ impl Evaluator {
     ) -> Result<Self, EngineError> {
         let engine = Engine::new(options, files)?;
         let shared = Arc::new(Shared {
-            desk: Mutex::default(),
+            mailbox: Mutex::default(),
             wake: Condvar::new(),
             board: Mutex::default(),
-            found: Mutex::default(),
+            evaluated: Mutex::default(),
             repaint: Box::new(repaint),
             patience,
         });
@@ -108,30 +108,30 @@ impl Evaluator {
         Ok(Self { shared, thread: Some(thread) })
     }
 
-    /// Asks for something else; what is being made for the last order is given up, unless it is done in a moment.
+    /// Places a new order and cancels work on the last one, unless that is uninterruptible.
     pub(crate) fn order(&self, order: Order) {
-        let mut desk = lock(&self.shared.desk);
-        desk.order = Some(order);
-        if !desk.soon {
-            desk.cancel.cancel();
+        let mut mailbox = lock(&self.shared.mailbox);
+        mailbox.order = Some(order);
+        if !mailbox.is_uninterruptible {
+            mailbox.cancel.cancel();
         }
         self.shared.wake.notify_one();
     }
 
-    /// Gives up what is being made.
+    /// Withdraws the order and cancels the work on it.
     pub(crate) fn stop(&self) {
-        let mut desk = lock(&self.shared.desk);
-        desk.order = None;
-        desk.cancel.cancel();
+        let mut mailbox = lock(&self.shared.mailbox);
+        mailbox.order = None;
+        mailbox.cancel.cancel();
     }
 
-    /// Whether an order waits or is worked on.
+    /// Whether an order is waiting or being worked on.
     pub(crate) fn is_busy(&self) -> bool {
-        let desk = lock(&self.shared.desk);
-        desk.order.is_some() || desk.working
+        let mailbox = lock(&self.shared.mailbox);
+        mailbox.order.is_some() || mailbox.is_working
     }
 
-    /// What was found so far.
+    /// The board with the results so far; the evaluator cannot write to it while it is borrowed.
     pub(crate) fn board(&self) -> MutexGuard<'_, Board> {
         lock(&self.shared.board)
     }
@@ -139,13 +139,13 @@ impl Evaluator {
 
 impl Drop for Evaluator {
     fn drop(&mut self) {
-        let mut desk = lock(&self.shared.desk);
-        desk.closed = true;
-        desk.cancel.cancel();
-        drop(desk);
+        let mut mailbox = lock(&self.shared.mailbox);
+        mailbox.is_closed = true;
+        mailbox.cancel.cancel();
+        drop(mailbox);
         self.shared.wake.notify_one();
         if let Some(thread) = self.thread.take() {
-            // A thread that panicked has nothing left to clean up.
+            // A thread that panicked leaves nothing to clean up.
             let _ = thread.join();
         }
     }
@@ -160,19 +160,19 @@ impl Shared {
         }
     }
 
-    /// Waits for an order; `None` when the window is gone.
+    /// Blocks until there is an order; returns `None` when the window has closed.
     fn next(&self) -> Option<(Order, Cancel)> {
-        let mut desk = lock(&self.desk);
+        let mut mailbox = lock(&self.mailbox);
         loop {
-            if desk.closed {
+            if mailbox.is_closed {
                 return None;
             }
-            desk.working = desk.order.is_some();
-            if let Some(order) = desk.order.take() {
-                desk.cancel = Cancel::default();
-                return Some((order, desk.cancel.clone()));
+            mailbox.is_working = mailbox.order.is_some();
+            if let Some(order) = mailbox.order.take() {
+                mailbox.cancel = Cancel::default();
+                return Some((order, mailbox.cancel.clone()));
             }
-            desk = self.wake.wait(desk).unwrap_or_else(PoisonError::into_inner);
+            mailbox = self.wake.wait(mailbox).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
@@ -190,15 +190,16 @@ impl Shared {
         self.thumbnails(engine, order, cancel)
     }
 
-    /// Does what is done in a moment; new orders wait for it and then go before the rest.
-    fn soon<T>(&self, work: impl FnOnce() -> Result<T, Stopped>) -> Result<T, Stopped> {
-        lock(&self.desk).soon = true;
+    /// Does short work that a new order does not cancel. Fails when an order has arrived in the meantime, so that the
+    /// caller drops the rest of the old one.
+    fn uninterrupted<T>(&self, work: impl FnOnce() -> Result<T, Stopped>) -> Result<T, Stopped> {
+        lock(&self.mailbox).is_uninterruptible = true;
         let done = work();
-        let mut desk = lock(&self.desk);
-        desk.soon = false;
-        if desk.order.is_some() || desk.closed { Err(Stopped) } else { done }
+        let mut mailbox = lock(&self.mailbox);
+        mailbox.is_uninterruptible = false;
+        if mailbox.order.is_some() || mailbox.is_closed { Err(Stopped) } else { done }
     }
 }
 
-/// The work was given up.
+/// The error of work that was cancelled.
 struct Stopped;

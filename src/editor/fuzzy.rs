@@ -1,6 +1,6 @@
-//! How well a few typed letters fit a text.
+//! Fuzzy search: scores for a few typed letters against a text.
 
-/// How well a query fits a name: higher is better, `None` where its letters do not all come in order.
+/// The score of a query against a name: higher is better, `None` where the name lacks its letters in their order.
 pub(crate) fn score(query: &str, text: &str) -> Option<i32> {
     let lower = |s: &str| -> Vec<char> { s.chars().flat_map(char::to_lowercase).collect() };
     let letters = lower(text);
@@ -16,7 +16,7 @@ pub(crate) fn score(query: &str, text: &str) -> Option<i32> {
     Some(total * 4 - letters.len() as i32)
 }
 
-/// How well letters fit that come in order with others between: at the starts of words best.
+/// The score of letters that occur in order with others between them; letters at the starts of words count most.
 fn scattered(wanted: &[char], letters: &[char], starts: impl Fn(usize) -> bool) -> Option<i32> {
     let (mut total, mut from) = (0, 0);
     for letter in wanted {
@@ -28,7 +28,8 @@ fn scattered(wanted: &[char], letters: &[char], starts: impl Fn(usize) -> bool) 
     Some(total)
 }
 
-/// How well a query fits the best of a name and, for less, some words that mean the same; slips of the pen count.
+/// The best score of a query against a name and its synonyms, which count less. A name within two typing errors of a
+/// query of four letters or more scores 0.
 pub(crate) fn best<'a>(query: &str, name: &str, words: impl IntoIterator<Item = &'a str>) -> Option<i32> {
     let own = score(query, name).map(|s| s + 40);
     let others = words.into_iter().filter_map(|word| score(query, word));

@@ -1,4 +1,4 @@
-//! Undo and redo: every state of the document, with what led to it.
+//! Undo and redo: the states of the document, each with the name of the change that led to it.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -7,23 +7,23 @@ use serde_json::Value as Json;
 
 use crate::graph::Graph;
 
-/// Bytes that all states together may take, by estimate.
+/// Estimated bytes that all states together may take.
 const BUDGET: usize = 256 << 20;
-/// Estimated bytes of a state, of a node in it, and of a number or word of a parameter.
+/// Estimated bytes of a state without its nodes, of a node, and of a number or word in a parameter.
 const STATE: usize = 20_000;
 const NODE: usize = 1500;
 const WORD: usize = 40;
-/// Fewest states that are kept whatever they take.
+/// States that are kept even if they exceed the budget.
 const KEPT: usize = 20;
-/// Most states that are kept.
+/// The most states that are kept.
 const MOST: usize = 1000;
 
 /// A state of the document.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
-    /// Counts up over the life of the document; never used twice.
+    /// A number that rises with each new state and is never used twice.
     pub(crate) id: u64,
-    /// What led to it.
+    /// The name of the change that led to the state.
     pub(crate) label: String,
     pub(crate) graph: Arc<Graph>,
     /// Estimated bytes of the graph.
@@ -38,7 +38,7 @@ impl State {
     }
 }
 
-/// Numbers, texts and lists in a value: drawn curves and strokes have thousands.
+/// The number of numbers, words and lists in a value; drawn curves and strokes have thousands.
 fn words(value: &Json) -> usize {
     match value {
         Json::Array(items) => 1 + items.iter().map(words).sum::<usize>(),
@@ -48,13 +48,13 @@ fn words(value: &Json) -> usize {
     }
 }
 
-/// The states of a document and which of them is shown.
+/// The states of a document and the current one among them.
 #[derive(Debug)]
 pub(crate) struct History {
     states: VecDeque<State>,
     at: usize,
     next: u64,
-    /// The gesture whose edits become one state, while it lasts.
+    /// The gesture in progress, whose edits become one state.
     gesture: Option<String>,
 }
 
@@ -68,7 +68,7 @@ impl History {
         &self.states[self.at]
     }
 
-    /// Enters a new state; what was undone is gone. Of one gesture only the last state stays.
+    /// Adds a state after the current one and drops the undone ones. Within a gesture it replaces the last state.
     pub(crate) fn push(&mut self, label: &str, gesture: Option<&str>, graph: Graph) {
         let goes_on = gesture.is_some() && gesture == self.gesture.as_deref();
         self.states.truncate(self.at + 1);
@@ -83,8 +83,8 @@ impl History {
         self.shrink();
     }
 
-    /// Ends a gesture: the next edit is a state of its own.
-    pub(crate) fn rest(&mut self) {
+    /// Ends a gesture, so that the next edit becomes a state of its own.
+    pub(crate) fn end_gesture(&mut self) {
         self.gesture = None;
     }
 
@@ -92,22 +92,22 @@ impl History {
         self.at > 0
     }
 
-    /// What undoing would take back.
+    /// The name of the change that undo would revert.
     pub(crate) fn undo_label(&self) -> Option<&str> {
         self.can_undo().then(|| self.current().label.as_str())
     }
 
-    /// What redoing would do again.
+    /// The name of the change that redo would make again.
     pub(crate) fn redo_label(&self) -> Option<&str> {
         self.states.get(self.at + 1).map(|s| s.label.as_str())
     }
 
-    /// Shows another state; false where there is none.
+    /// Makes the state at an index the current one; returns false where there is none or it is current.
     pub(crate) fn go(&mut self, to: usize) -> bool {
         let there = to < self.states.len() && to != self.at;
         if there {
             self.at = to;
-            self.rest();
+            self.end_gesture();
         }
         there
     }
@@ -120,7 +120,7 @@ impl History {
         self.go(self.at + 1)
     }
 
-    /// All states, oldest first, and which is shown.
+    /// All states, oldest first, and the index of the current one.
     pub(crate) fn list(&self) -> (impl ExactSizeIterator<Item = &State>, usize) {
         (self.states.iter(), self.at)
     }

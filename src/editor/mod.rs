@@ -1,12 +1,12 @@
 //! The desktop editor: a face of the [`graph`](crate::graph) and the [`engine`](crate::engine), behind the default
 //! feature `editor`.
 //!
-//! The document (`document`) is the graph with a history of whole states, so that everything can be undone to the same
-//! bytes. The canvas (`canvas`) draws the document itself and keeps no copy. The evaluator (`evaluator`) runs the
-//! engine on a thread of its own and puts what it finds on a board (`board`) that the window reads; a new order gives up
-//! what is stale. Hands draw on the terrain of either view (`drawing`), which changes parameters like any panel. What can
-//! be done by name is a `Command`: menus, keys, palette and cheat sheet come
-//! from one list. Panels (`inspector`) come from the schema of the kinds.
+//! The document (`document`) is the graph with a history of whole states, so that every change can be undone to the
+//! same bytes. The canvas (`canvas`) draws the document itself and keeps no copy. The evaluator (`evaluator`) runs the
+//! engine on a thread of its own and puts the results on a board (`board`) that the window reads; a new order cancels
+//! work on the order before. The user draws curves and masks on the terrain of either view (`drawing`), which changes
+//! parameters as the panels do. Every named action is a `Command`: menus, keys, palette and cheat sheet are made from
+//! one list. The panels (`inspector`) are made from the schema of the kinds.
 
 mod actions;
 mod app;
@@ -20,23 +20,23 @@ mod document;
 mod draft;
 mod drawing;
 mod evaluator;
+mod file_watch;
 mod fuzzy;
 mod history;
 mod inspector;
+mod node_progress;
 mod notices;
 mod ops;
+mod order;
 mod panels;
+mod preferences;
 mod recovery;
 mod session;
-mod settings;
 mod shade;
 mod theme;
 mod view_bar;
 mod views;
-mod watch;
-mod watcher;
 mod welcome;
-mod wish;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ use crate::render::Picture;
 /// Opens the window and edits until it is closed.
 ///
 /// # Errors
-/// When there is no screen or no device to draw with; the message says what to do.
+/// Fails when there is no display or no graphics device; the message says what to install.
 pub fn run(path: Option<PathBuf>) -> Result<(), String> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Orograph")
@@ -69,16 +69,21 @@ pub fn run(path: Option<PathBuf>) -> Result<(), String> {
             Ok(Box::new(Editor::new(&cx.egui_ctx, Setup { format, ..setup })))
         }),
     );
-    ran.map_err(|e| {
-        let why = without_sources(&e.to_string());
-        format!(
-            "the editor cannot open a window: {why}. It needs a screen and a graphics driver (on a machine without a \
-             graphics card, Mesa's software Vulkan serves: `mesa-vulkan-drivers`); the other commands need neither"
-        )
-    })
+    ran.map_err(|e| no_window(&e.to_string()))
 }
 
-/// A message without the places in the source that some libraries put into theirs: `os error at /…/lib.rs:12: …`.
+/// The message that the editor cannot open a window, from that of the library.
+fn no_window(message: &str) -> String {
+    let why = without_sources(message);
+    // Some messages end in a full stop, and one follows here.
+    let why = why.trim_end_matches('.');
+    format!(
+        "the editor cannot open a window: {why}. It needs a screen and a graphics driver (on a machine without a \
+         graphics card, Mesa's software Vulkan serves: `mesa-vulkan-drivers`); the other commands need neither"
+    )
+}
+
+/// A message without the source locations that some libraries put into theirs, such as `os error at /…/lib.rs:12: …`.
 fn without_sources(message: &str) -> String {
     let is_place = |word: &&str| {
         let word = word.trim_end_matches(':');
@@ -90,12 +95,12 @@ fn without_sources(message: &str) -> String {
     kept.map(|i| words[i]).collect::<Vec<_>>().join(" ")
 }
 
-/// A text of the graph, or of a file's name, as a line of the window.
+/// A text from a graph or a file name as one printable line.
 fn shown(text: &str) -> String {
     crate::text::printable(text).into_owned()
 }
 
-/// A picture as the window draws it.
+/// A picture in the form that egui uploads as a texture.
 fn image_of(picture: &Picture) -> egui::ImageData {
     let pixels = picture.rgb.iter().map(|c| egui::Color32::from_rgb(c[0], c[1], c[2])).collect();
     let size = [picture.width, picture.height];
@@ -104,7 +109,7 @@ fn image_of(picture: &Picture) -> egui::ImageData {
 
 #[cfg(test)]
 mod tests {
-    use super::without_sources;
+    use super::{no_window, without_sources};
 
     #[test]
     fn messages_lose_the_places_in_the_source() {
@@ -112,5 +117,8 @@ mod tests {
         let clean = "winit EventLoopError: os error neither WAYLAND_DISPLAY nor DISPLAY is set.";
         assert_eq!(without_sources(message), clean);
         assert_eq!(without_sources("look at a.rs for more"), "look at a.rs for more");
+        for message in ["no DISPLAY is set.", "no DISPLAY is set"] {
+            assert!(no_window(message).contains("no DISPLAY is set. It needs a screen"), "{message}");
+        }
     }
 }

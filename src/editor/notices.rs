@@ -1,4 +1,4 @@
-//! What the editor says in passing: in a corner, for a while.
+//! Notices: short messages in a corner of the window, which disappear after a while.
 
 use std::time::{Duration, Instant};
 
@@ -8,9 +8,9 @@ use super::theme;
 use crate::graph::Problem;
 use crate::text::printable;
 
-/// How long a notice stays.
+/// Time that a notice stays visible.
 const STAY: Duration = Duration::from_secs(8);
-/// Most notices at once.
+/// The most notices at once.
 const MOST: usize = 4;
 
 #[derive(Clone, Debug)]
@@ -25,17 +25,17 @@ struct Notice {
 pub(crate) struct Notices(Vec<Notice>);
 
 impl Notices {
-    /// Says that something was done.
+    /// Shows that something was done.
     pub(crate) fn say(&mut self, text: impl Into<String>) {
         self.put(text.into(), Color32::from_rgb(96, 170, 120));
     }
 
-    /// Says that something could not be done, and why.
+    /// Shows that something could not be done, and why.
     pub(crate) fn fail(&mut self, text: impl Into<String>) {
         self.put(text.into(), theme::ERROR);
     }
 
-    /// Says why an edit was refused.
+    /// Shows why an edit was refused.
     pub(crate) fn problem(&mut self, problem: &Problem) {
         self.fail(problem.to_string());
     }

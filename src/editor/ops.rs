@@ -1,4 +1,4 @@
-//! What a hand does to a graph in one stroke. Each is one change of the document and knows nothing of the screen.
+//! Edits of a graph that the editor offers. Each is one change of the document and is independent of the screen.
 
 use std::collections::BTreeSet;
 
@@ -10,17 +10,17 @@ use crate::node::Kind;
 use crate::nodes::Registry;
 use crate::value::WireType;
 
-/// An end of a wire that a hand holds the other end of.
+/// The fixed end of a wire whose other end is being dragged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum End {
-    /// It comes from an output and looks for an input.
+    /// An output; the other end is to be an input.
     From(Source),
-    /// It goes to an input and looks for an output.
+    /// An input; the other end is to be an output.
     To(NodeId, Name),
 }
 
 impl End {
-    /// What the wire carries.
+    /// The type of the wire.
     pub(crate) fn wire(&self, graph: &Graph) -> Option<WireType> {
         match self {
             Self::From(source) => graph.wire_type(source),
@@ -28,7 +28,7 @@ impl End {
         }
     }
 
-    /// The first port of a kind that could be the other end.
+    /// The first port of a kind that can be the other end.
     pub(crate) fn port_of<'k>(&self, graph: &Graph, kind: &'k Kind) -> Option<&'k Name> {
         let wire = self.wire(graph)?;
         let ports = match self {
@@ -69,12 +69,13 @@ pub(crate) fn add_chain(graph: &mut Graph, at: [f64; 2], kinds: &[&str]) -> Resu
     Ok(all)
 }
 
-/// The ports by which a node would go between a source and an input; none where it does not fit.
+/// The input and the output by which a node fits between a source and an input of the node `to`; `None` where it does
+/// not fit.
 pub(crate) fn between(graph: &Graph, id: NodeId, source: &Source, to: NodeId) -> Option<[Name; 2]> {
     let kind = graph.get(id)?.kind()?;
     let wire = graph.wire_type(source)?;
     let output = kind.outputs.iter().find(|p| p.wire == wire)?;
-    // What the node changes first, then what it reads otherwise.
+    // The input that the node changes comes first, then its other inputs.
     let changed = kind.bridge(&output.name).and_then(|name| kind.input(name));
     let input = changed.into_iter().chain(&kind.inputs).find(|p| p.wire == wire)?;
     let strangers = id != source.node && id != to;
@@ -97,7 +98,7 @@ pub(crate) fn insert(
     graph.connect(id, &output, to, port)
 }
 
-/// Removes nodes and notes; with `bridge`, what a node changed is joined to what read it.
+/// Removes nodes and notes; with `bridge`, the input that a removed node changed is wired to what read the node.
 pub(crate) fn remove(
     graph: &mut Graph,
     nodes: &BTreeSet<NodeId>,
@@ -155,7 +156,7 @@ pub(crate) fn set(graph: &mut Graph, ids: &[NodeId], param: &str, value: Json) -
     }
 }
 
-/// Leaves nodes out, or takes them in again where all are left out already.
+/// Bypasses nodes, or ends the bypass where all of them are bypassed.
 pub(crate) fn toggle_bypass(graph: &mut Graph, nodes: &BTreeSet<NodeId>) -> Result<(), Problem> {
     let all = nodes.iter().all(|id| graph.get(*id).is_some_and(|n| n.bypass));
     nodes.iter().try_for_each(|id| graph.set_bypass(*id, !all))
@@ -174,12 +175,12 @@ pub(crate) fn copied(graph: &Graph, nodes: &BTreeSet<NodeId>, notes: &BTreeSet<S
 /// Reads a text from the clipboard: a graph, or a part of one.
 ///
 /// # Errors
-/// When it is not a graph.
+/// Fails when the text is no graph.
 pub(crate) fn readable(text: &str, registry: &Registry) -> Result<Graph, LoadError> {
     Graph::from_bytes(text.trim().as_bytes(), registry)
 }
 
-/// Pastes so that the upper left corner of what is pasted comes to a place.
+/// Adds the nodes and notes of `part`, moved so that their upper left corner is at `at`.
 pub(crate) fn paste(graph: &mut Graph, part: &Graph, at: [f64; 2]) -> Result<Grafted, Problem> {
     let places = part.nodes().map(|id| part.node(id).at).chain(part.notes().map(|(_, n)| n.at));
     let corner = places.fold([f64::INFINITY; 2], |a, b| [a[0].min(b[0]), a[1].min(b[1])]);

@@ -1,4 +1,4 @@
-//! The panels around canvas and view: menus, parameters, history, state.
+//! The panels around canvas and view: menu bar, side panel and status bar.
 
 use std::cell::RefCell;
 
@@ -11,7 +11,7 @@ use super::inspector::{Panel, graph_panel, name_field, nodes_panel, note_panel, 
 use super::{shown, theme};
 use crate::engine::bytes;
 
-/// The pages of the panel at the right.
+/// The pages of the side panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Tab {
     Node,
@@ -29,7 +29,7 @@ impl Tab {
     ];
 }
 
-/// Where the wish to rename is left for the panel.
+/// The id under which egui stores that the name field gets the focus in the next frame.
 pub(super) fn focus_name() -> Id {
     Id::new("rename next")
 }
@@ -95,12 +95,12 @@ impl Editor {
     }
 
     fn recent(&mut self, ui: &mut Ui) {
-        if self.settings.recent.is_empty() {
+        if self.preferences.recent.is_empty() {
             return;
         }
         ui.separator();
         ui.weak("Recent");
-        for path in self.settings.recent.clone() {
+        for path in self.preferences.recent.clone() {
             let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
             let hover = path.display().to_string();
             if ui.button(shown(&name)).on_hover_text(shown(&hover)).clicked() {
@@ -131,7 +131,7 @@ impl Editor {
         let problems = self.document.problems();
         let worst = problems.iter().filter(|p| p.is_error()).count();
         let (errors, warnings) = (worst, problems.len() - worst);
-        // An empty graph has no output yet, which nobody needs to be told.
+        // An empty graph has no output yet, which is not worth a warning.
         if problems.is_empty() || self.graph().nodes().len() == 0 {
             return;
         }
@@ -170,28 +170,28 @@ impl Editor {
         self.tab = Tab::Node;
     }
 
-    /// What is being evaluated, or waits to be asked for.
+    /// Shows that an evaluation runs, or that one exceeds a limit and needs consent.
     fn work(&mut self, ui: &mut Ui) {
         let Some(evaluator) = &self.evaluator else { return };
-        let (busy, held) = {
+        let (is_busy, unstarted) = {
             let board = evaluator.board();
-            (board.busy, board.held.clone())
+            (board.is_busy, board.unstarted.clone())
         };
-        if let Some(held) = held {
-            match held.over {
+        if let Some(unstarted) = unstarted {
+            match unstarted.over_budget {
                 Some((why, need)) => self.over_budget(ui, &why, need),
                 None => {
-                    let files =
-                        (held.unread > 0).then(|| format!(" and read {} of files", bytes(held.unread)));
+                    let files = (unstarted.unread > 0)
+                        .then(|| format!(" and read {} of files", bytes(unstarted.unread)));
                     let text =
-                        format!("would take about {}{}", time(held.seconds), files.unwrap_or_default());
+                        format!("would take about {}{}", time(unstarted.seconds), files.unwrap_or_default());
                     ui.colored_label(theme::WARNING, text);
                     if ui.button("Evaluate").clicked() {
-                        self.accepted = Some(self.document.state());
+                        self.accepted_state = Some(self.document.state());
                     }
                 }
             }
-        } else if busy {
+        } else if is_busy {
             ui.spinner();
             if ui.small_button("Stop").on_hover_text("Gives up what is being evaluated").clicked() {
                 evaluator.stop();
@@ -199,9 +199,9 @@ impl Editor {
         }
     }
 
-    /// Asks before more memory is used than the budget allows.
+    /// Offers to raise the memory budget.
     fn over_budget(&mut self, ui: &mut Ui, why: &str, need: u64) {
-        // Half as much again leaves room for what is kept.
+        // Half as much again leaves room for the cache.
         let room = need + need / 2;
         let gibibytes = room as f64 / f64::from(1 << 30);
         ui.colored_label(theme::ERROR, "over the budget of memory").on_hover_text(shown(why));
@@ -224,7 +224,7 @@ impl Editor {
             });
             ui.separator();
             let ctx = ui.ctx().clone();
-            // What is too wide is scrolled to, so that a long number does not push the panel over the window.
+            // Wide contents scroll, so that a long number does not widen the panel beyond the window.
             egui::ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| self.page(ui, &ctx));
         });
     }
@@ -234,8 +234,8 @@ impl Editor {
             self.history(ui);
             return;
         }
-        let wish = RefCell::new(None);
-        let pick = |name: &str| *wish.borrow_mut() = Some(name.to_owned());
+        let picked = RefCell::new(None);
+        let pick = |name: &str| *picked.borrow_mut() = Some(name.to_owned());
         let mut panel = Panel {
             document: &mut self.document,
             notices: &mut self.notices,
@@ -261,7 +261,7 @@ impl Editor {
             Tab::Outputs => outputs_panel(ui, &mut panel, chosen.nodes.first().copied()),
             Tab::History => (),
         }
-        if let Some(name) = wish.into_inner() {
+        if let Some(name) = picked.into_inner() {
             let ids = self.canvas.chosen.nodes.iter().copied().collect();
             self.ask(ctx, FileFor::Parameter(ids, name));
         }

@@ -1,8 +1,8 @@
-//! What a crash must not take: unsaved work is written to the user's own folder every few seconds and offered at the
-//! next start; and two editors on one file know of each other.
+//! Recovery after a crash, and claims on files. Unsaved work is written to the user's own folder every few seconds and
+//! offered at the next start. A claim warns when two editors have one file open.
 //!
-//! A session holds a lock on a file of its own, which the system gives back when the process ends, however it ends: a
-//! session whose lock is free is over.
+//! Each session holds a lock on a file of its own. The system releases the lock when the process ends, however it ends,
+//! so that a session whose lock is free is over.
 
 use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
@@ -19,34 +19,34 @@ use crate::graph::{Graph, LoadError};
 use crate::nodes::Registry;
 use crate::whole::{self, Known};
 
-/// How long unsaved work waits, at most.
+/// The longest time until unsaved work is written.
 const EVERY: Duration = Duration::from_secs(3);
 
-/// Unsaved work as it is kept.
+/// Unsaved work as it is stored.
 #[derive(Debug, Serialize, Deserialize)]
 struct Kept {
     path: Option<PathBuf>,
     graph: String,
-    /// What the file held, in short.
+    /// The hash of what the file held, see [`Document::file_hash`].
     #[serde(default)]
     known: Option<String>,
 }
 
-/// Keeps the unsaved work of one session.
+/// The store of the unsaved work of one session.
 #[derive(Debug)]
 pub(crate) struct Keeper {
     folder: PathBuf,
     id: String,
-    /// Held as long as the session lasts.
+    /// The lock that lasts as long as the session.
     _lock: File,
-    kept: Option<u64>,
+    kept_state: Option<u64>,
     last: Instant,
     writing: Option<JoinHandle<std::io::Result<()>>>,
-    /// What was recovered and is not yet kept by this session.
-    taken: Vec<Orphan>,
+    /// Recovered work that this session has not yet written itself.
+    recovered: Vec<Orphan>,
 }
 
-/// The unsaved work of a session that did not end well.
+/// The unsaved work of a session that crashed.
 #[derive(Clone, Debug)]
 pub(crate) struct Orphan {
     /// The file it belongs to, if it had one.
@@ -55,7 +55,7 @@ pub(crate) struct Orphan {
     pub(crate) when: SystemTime,
     known: Option<String>,
     files: [PathBuf; 2],
-    /// The lock of the session, held so that no other editor offers the same work.
+    /// The lock of the crashed session, held so that no other editor offers the same work.
     _lock: Arc<File>,
 }
 
@@ -63,16 +63,16 @@ impl Orphan {
     /// The work as a document.
     ///
     /// # Errors
-    /// When it is not a graph.
+    /// Fails when the stored text is no graph.
     pub(crate) fn document(&self, registry: &Registry) -> Result<Document, LoadError> {
         let graph = Graph::from_bytes(self.graph.as_bytes(), registry)?;
         Ok(Document::recovered(graph, self.path.clone(), self.known.as_deref()))
     }
 
-    /// Throws it away.
+    /// Removes the stored work.
     pub(crate) fn forget(&self) {
         for file in &self.files {
-            // What cannot be removed is offered again, which loses nothing.
+            // Work that cannot be removed is offered again, which loses nothing.
             let _ = std::fs::remove_file(file);
         }
     }
@@ -86,67 +86,68 @@ impl Keeper {
     /// Starts a session.
     ///
     /// # Errors
-    /// When the folder cannot be written.
+    /// Fails when the folder cannot be written.
     pub(crate) fn start(home: &Path) -> std::io::Result<Self> {
         let folder = sessions(home);
         std::fs::create_dir_all(&folder)?;
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         let id = format!("{}-{}", std::process::id(), now.as_nanos());
         let lock = whole::locked(&folder.join(format!("{id}.lock")))?;
-        let (last, taken) = (Instant::now(), Vec::new());
-        Ok(Self { folder, id, _lock: lock, kept: None, last, writing: None, taken })
+        let (last, recovered) = (Instant::now(), Vec::new());
+        Ok(Self { folder, id, _lock: lock, kept_state: None, last, writing: None, recovered })
     }
 
-    /// Takes over recovered work: what the other session left goes once this one has kept the same, which it does
-    /// next.
+    /// Takes over recovered work. The files of the crashed session are removed once this session has written the same
+    /// work, which the next call of [`keep`](Self::keep) starts.
     pub(crate) fn take(&mut self, orphan: Orphan) {
-        self.taken.push(orphan);
-        self.kept = None;
+        self.recovered.push(orphan);
+        self.kept_state = None;
     }
 
     fn file(&self, extension: &str) -> PathBuf {
         self.folder.join(format!("{}.{extension}", self.id))
     }
 
-    /// Writes unsaved work when it is time to; gives the time until then.
+    /// Starts to write unsaved work when that is due. Returns the time until the next call, where one is needed.
     ///
     /// # Errors
-    /// Those of the last writing, once.
+    /// Returns the error of the last writing, once.
     pub(crate) fn keep(&mut self, document: &Document) -> std::io::Result<Option<Duration>> {
         if let Some(writing) = self.writing.take_if(|w| w.is_finished()) {
             let failed = || Err(std::io::Error::other("the writer stopped"));
             writing.join().unwrap_or_else(|_| failed())?;
         }
         if !document.is_unsaved() {
-            // It was saved, or given up.
-            self.taken.drain(..).for_each(|orphan| orphan.forget());
-            if self.kept.take().is_some() {
-                // It may not be there any more.
+            // The work was saved or discarded.
+            self.recovered.drain(..).for_each(|orphan| orphan.forget());
+            if self.kept_state.take().is_some() {
+                // The file may be gone already.
                 let _ = std::fs::remove_file(self.file("json"));
             }
             return Ok(None);
         }
-        if self.kept == Some(document.state()) || self.writing.is_some() {
-            let soon = Duration::from_millis(100);
-            return Ok((!self.taken.is_empty()).then_some(soon));
+        if self.kept_state == Some(document.state()) || self.writing.is_some() {
+            let again = Duration::from_millis(100);
+            return Ok((!self.recovered.is_empty()).then_some(again));
         }
         let wait = EVERY.saturating_sub(self.last.elapsed());
-        if !wait.is_zero() && self.taken.is_empty() {
+        if !wait.is_zero() && self.recovered.is_empty() {
             return Ok(Some(wait));
         }
         self.last = Instant::now();
-        self.kept = Some(document.state());
+        self.kept_state = Some(document.state());
         let (graph, path) = (document.shared(), document.path().map(Path::to_owned));
-        let (known, to, taken) = (document.known(), self.file("json"), std::mem::take(&mut self.taken));
+        let (known, to, recovered) =
+            (document.file_hash(), self.file("json"), std::mem::take(&mut self.recovered));
         self.writing = Some(std::thread::spawn(move || {
             write(&graph, path, known, &to)?;
-            taken.iter().for_each(Orphan::forget);
+            recovered.iter().for_each(Orphan::forget);
             Ok(())
         }));
         Ok(None)
     }
 
-    /// The sessions that are over and left unsaved work.
+    /// The unsaved work of sessions that crashed, newest first.
     pub(crate) fn orphans(&self) -> Vec<Orphan> {
         if let Ok(dir) = Dir::open_ambient_dir(&self.folder, ambient_authority()) {
             whole::sweep(&dir, |_| true);
@@ -165,7 +166,7 @@ impl Keeper {
             let kept = path.with_extension("json");
             match orphan(&kept, &path, lock) {
                 Some(orphan) => found.push(orphan),
-                // A session that ended with nothing unsaved and could not clear up.
+                // The session crashed without unsaved work.
                 None if !kept.exists() => _ = std::fs::remove_file(&path),
                 None => (),
             }
@@ -197,19 +198,19 @@ fn orphan(kept: &Path, path: &Path, lock: File) -> Option<Orphan> {
     Some(Orphan { path, graph, when, known, files, _lock: Arc::new(lock) })
 }
 
-/// A lock on a graph file, by which a second editor sees the first.
+/// A lock that stands for a graph file; a second editor sees by it that the file is open.
 #[derive(Debug)]
 pub(crate) struct Claim {
     _lock: File,
 }
 
-/// Whether a file is free to be edited.
+/// The result of a claim on a file.
 #[derive(Debug)]
 pub(crate) enum Claimed {
     Ours(Claim),
     /// Another editor has it open.
     Taken,
-    /// It cannot be known.
+    /// The lock could not be made.
     Unknown,
 }
 
@@ -279,7 +280,7 @@ mod tests {
         assert!(Keeper::start(home.path()).expect("starts").orphans().is_empty(), "it is being offered");
         next.take(orphan);
         assert!(left.exists() && !next.file("json").exists());
-        // At once, not after the usual wait.
+        // The work is written at once and not after the usual time.
         assert_eq!(next.keep(&document).expect("starts"), None);
         next.writing.take().expect("writes").join().expect("ends").expect("writes");
         assert!(!left.exists() && next.file("json").exists());

@@ -1,4 +1,4 @@
-//! The document and its file: opened, claimed, watched, kept from crashes.
+//! The document and its file: opening, claims, changes by other programs, recovery.
 
 use std::path::Path;
 
@@ -9,19 +9,19 @@ use super::app::Editor;
 use super::dialogs::Dialog;
 use super::document::Document;
 use super::evaluator::Evaluator;
+use super::file_watch::FileWatch;
 use super::recovery::{Claimed, claim};
-use super::watch::FileWatch;
 use crate::engine::{Files, Options, kept_folders};
 
-/// Estimated seconds of an evaluation that opening a graph starts without asking.
+/// Estimated seconds up to which an evaluation starts without asking the user.
 const PATIENCE: f64 = 60.0;
 
 impl Editor {
-    /// Opens a file in place of the document; what is on the desk is given up.
+    /// Opens a file in place of the document, whose unsaved changes are lost.
     pub(super) fn open(&mut self, ctx: &Context, path: &Path) {
         match Document::open(path, &self.registry) {
             Ok(document) => {
-                self.settings.opened(path);
+                self.preferences.opened(path);
                 self.adopt(ctx, document);
             }
             Err(e) => {
@@ -31,10 +31,10 @@ impl Editor {
                 }
             }
         }
-        self.write_settings();
+        self.write_preferences();
     }
 
-    /// Puts a document on the desk.
+    /// Replaces the document.
     pub(super) fn adopt(&mut self, ctx: &Context, document: Document) {
         self.document = document;
         self.canvas.chosen = Default::default();
@@ -42,22 +42,22 @@ impl Editor {
         self.canvas.show_all();
         self.map.show_all();
         self.relief.reset();
-        (self.pinned, self.last, self.output) = (None, None, None);
-        (self.drape, self.accepted) = (None, None);
+        (self.pinned, self.last_shown, self.output) = (None, None, None);
+        (self.drape, self.accepted_state) = (None, None);
         self.reclaim(ctx);
         self.choose_result();
         self.start_evaluator(ctx);
     }
 
-    /// Shows what the first output of the graph reads; without one, the last node that nothing reads.
+    /// Shows the node of the first output of the graph; where it has no output, the last node that no other reads.
     fn choose_result(&mut self) {
         let graph = self.document.graph();
         let first = graph.outputs().find_map(|(name, _)| graph.output_source(name).ok());
         self.pinned = first.map(|s| s.node);
-        self.last = graph.nodes().filter(|id| graph.consumers(*id).next().is_none()).last();
+        self.last_shown = graph.nodes().filter(|id| graph.consumers(*id).next().is_none()).last();
     }
 
-    /// Claims the file of the document and watches it; warns when another editor has it.
+    /// Claims the file of the document and watches it; warns when another editor has it open.
     pub(super) fn reclaim(&mut self, ctx: &Context) {
         self.claim = None;
         let wake = ctx.clone();
@@ -84,17 +84,17 @@ impl Editor {
             }
         }
         let repaint = ctx.clone();
-        // What takes long is asked about, not refused.
+        // The editor asks about long evaluations, so that the engine must not refuse them.
         let options = Options { seconds: f64::INFINITY, ..self.options.clone() };
         let started = Evaluator::start(&options, files, PATIENCE, move || repaint.request_repaint());
-        self.ordered = None;
+        self.last_order = None;
         match started {
             Ok(evaluator) => self.evaluator = Some(evaluator),
             Err(e) => self.notices.fail(format!("Nothing can be evaluated: {e}")),
         }
     }
 
-    /// Looks whether somebody else has changed the file.
+    /// Reacts to a change of the file by another program.
     pub(super) fn look_at_disk(&mut self, ctx: &Context) {
         if self.dialog.is_modal() || !self.watch.as_ref().is_some_and(FileWatch::take) {
             return;
@@ -104,7 +104,8 @@ impl Editor {
         }
     }
 
-    /// Takes over what somebody else wrote to the file, or asks where there is unsaved work; false where nobody did.
+    /// Reads what another program wrote to the file, or asks about it where there is unsaved work. Returns false where
+    /// the file is unchanged.
     pub(super) fn changed_on_disk(&mut self) -> bool {
         let Some(bytes) = self.document.foreign_change() else { return false };
         if self.document.is_unsaved() {
@@ -118,7 +119,7 @@ impl Editor {
     pub(super) fn reload(&mut self, bytes: Vec<u8>) {
         match self.document.reload(bytes) {
             Ok(()) => {
-                // The nodes of the new graph are others, whatever their names.
+                // The nodes of the new graph have new ids, even where the names are the same.
                 self.canvas.chosen = Default::default();
                 self.drawing.forget();
                 self.choose_result();
@@ -131,7 +132,7 @@ impl Editor {
         }
     }
 
-    /// Keeps unsaved work.
+    /// Stores unsaved work for recovery when that is due.
     pub(super) fn keep(&mut self, ctx: &Context) {
         let Some(keeper) = &mut self.keeper else { return };
         match keeper.keep(&self.document) {
@@ -141,14 +142,14 @@ impl Editor {
         }
     }
 
-    /// Asks before a window with unsaved work closes.
+    /// Handles a request to close the window: asks first where there is unsaved work.
     pub(super) fn close(&mut self, ctx: &Context) {
         let asked = ctx.input(|i| i.viewport().close_requested());
-        if asked && self.document.is_unsaved() && !self.closing {
+        if asked && self.document.is_unsaved() && !self.is_closing {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.dialog = Dialog::Unsaved(actions::After::Quit);
         } else if asked {
-            self.write_settings();
+            self.write_preferences();
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Quick pictures of values for the flat view: made in milliseconds, one pixel a sample. Beautiful pictures, with cast
-//! shadows and the light of the sky, are `render`'s.
+//! Quick pictures of values for the flat view, made in milliseconds, one pixel a sample. Pictures with cast shadows and
+//! light of the sky are made by `render`.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::node::Result;
 use crate::render::{Picture, Sun, thumbnail};
 use crate::value::{Colors, Field, Grid, Quantity, Terrain, Value};
 
-/// Pixels along the longer side of what has no grid.
+/// Pixels along the longer side of the picture of a value without a grid.
 const SKETCH: usize = 1024;
 /// Colour of water, sRGB.
 const WATER: [f32; 3] = [0.25, 0.42, 0.56];
@@ -22,7 +22,7 @@ const INK: [f32; 3] = [0.16, 0.11, 0.07];
 /// How values are turned into colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum Mode {
-    /// Heights tinted and lit from the north-west; other values as suits them.
+    /// Heights are tinted and lit from the north-west; other values have the picture that suits their quantity.
     #[default]
     Relief,
     /// A ramp of colours from the lowest to the highest value.
@@ -80,7 +80,7 @@ impl Light {
     }
 }
 
-/// The colours of a value that is laid over heights on a grid; none where it stands on another.
+/// The colours of a value that is draped over heights on a grid; `None` where the value is on another grid.
 pub(crate) fn colors(drape: &Value, grid: &Grid, cancel: &Cancel) -> Option<Colors> {
     let of_picture = |picture: Picture| {
         let data = picture.rgb.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect::<Vec<_>>();
@@ -89,7 +89,7 @@ pub(crate) fn colors(drape: &Value, grid: &Grid, cancel: &Cancel) -> Option<Colo
     match drape {
         Value::Colors(colors) => (colors.grid() == grid).then(|| colors.clone()),
         Value::Field(f) if f.quantity() == Quantity::Mask && f.grid() == grid => {
-            // Dark ground would show no form, and white would be the ground's own light.
+            // A ramp from black to white would not do: dark ground shows no form, and white looks like lit ground.
             let ramp = Ramp::of(&Palette::Viridis, Blend::Smooth);
             Some(Colors::new(*grid, Quantity::Color, f.data().iter().map(|v| ramp.color(*v)).collect()))
         }
@@ -104,11 +104,11 @@ pub(crate) fn colors(drape: &Value, grid: &Grid, cancel: &Cancel) -> Option<Colo
     }
 }
 
-/// A picture of a value, a pixel for each sample; a part of a whole takes its colours from the range of the whole.
-/// Heights take the colours of `drape`, where there is one, under the light of their own form.
+/// A picture of a value, one pixel a sample. `range` is the range of the whole where the value is a part of it, so that
+/// both have the same colours. Heights take the colours of `drape` where there is one, and are shaded by their slopes.
 ///
 /// # Errors
-/// When the value has no samples, or the work was cancelled.
+/// Fails when the value has no samples, or the work was cancelled.
 pub(crate) fn picture(
     value: &Value,
     look: &Look,
@@ -180,7 +180,7 @@ pub(crate) fn tinted(mut picture: Picture, mask: Option<&Value>) -> Picture {
     picture
 }
 
-/// How much the field rises to the east and to the south, per metre.
+/// The slope of a field at a sample: metres of rise for each metre to the east and to the south.
 fn fall(field: &Field, i: usize, j: usize) -> [f32; 2] {
     let grid = field.grid();
     let (w, e) = (i.saturating_sub(1), (i + 1).min(grid.cols - 1));
@@ -191,7 +191,7 @@ fn fall(field: &Field, i: usize, j: usize) -> [f32; 2] {
     [across / (cell * (e - w).max(1) as f32), along / (cell * (s - n).max(1) as f32)]
 }
 
-/// Light on a slope: most from the north-west, some from the west and the north so that no flank is black.
+/// The light on a slope: most of it from the north-west, some from the west and the north, so that no flank is black.
 fn shade(east: f32, south: f32) -> f32 {
     let up = 1.0 / (1.0 + east * east + south * south).sqrt();
     let from = |x: f32, y: f32, z: f32| ((-east * x - south * y + z) * up).max(0.0);
@@ -201,7 +201,7 @@ fn shade(east: f32, south: f32) -> f32 {
     0.18 + 0.86 * sun + 0.14 * sides + 0.06 * up
 }
 
-/// Deep water is darker.
+/// The brightness of water at a depth; deep water is darker.
 fn depth_shade(depth: f32, relief: f32) -> f32 {
     1.0 - 0.5 * (depth / relief.max(1.0)).clamp(0.0, 1.0)
 }
@@ -223,7 +223,7 @@ struct Lines {
 }
 
 impl Lines {
-    /// How much ink a pixel gets, by its value and how much the value changes over a pixel.
+    /// The share of ink in a pixel, by its value and the change of the value across a pixel.
     fn ink(&self, z: f32, change: f32) -> f32 {
         let change = change.max(self.step * 1e-4);
         let line = |step: f32, width: f32| {

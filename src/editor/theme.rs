@@ -1,12 +1,12 @@
-//! Colours and shapes of things. Wires are told apart by the shape of their pins as well as by colour, and the colours
-//! are those of Okabe and Ito, which the colour-blind can tell apart.
+//! Colours and shapes. Wires differ in the shape of their pins as well as in colour. Their colours are those of Okabe
+//! and Ito, which colour-blind people can distinguish.
 
 use eframe::egui::{self, Color32, Pos2, Shape, Stroke, vec2};
 
 use crate::graph::NoteColor;
 use crate::value::{Pin, WireType};
 
-/// The colour of what a wire carries.
+/// The colour of a type of wire.
 pub(crate) fn wire_color(wire: WireType) -> Color32 {
     let [r, g, b] = wire.color();
     Color32::from_rgb(r, g, b)
@@ -41,7 +41,7 @@ pub(crate) fn family_color(family: &str, dark: bool) -> Color32 {
         "select" => [104, 74, 124],
         _ => [84, 84, 90],
     };
-    // The titles are white in both themes.
+    // Titles are white in both themes.
     let lift = |c: u8| if dark { c } else { c.saturating_add(18) };
     Color32::from_rgb(lift(r), lift(g), lift(b))
 }
@@ -59,14 +59,14 @@ pub(crate) fn note_color(color: NoteColor) -> Color32 {
     }
 }
 
-/// Errors.
+/// The colour of errors.
 pub(crate) const ERROR: Color32 = Color32::from_rgb(222, 84, 70);
-/// Warnings.
+/// The colour of warnings.
 pub(crate) const WARNING: Color32 = Color32::from_rgb(204, 132, 24);
-/// What is chosen.
+/// The colour of what is chosen.
 pub(crate) const CHOSEN: Color32 = Color32::from_rgb(255, 196, 84);
 
-/// The look of all windows.
+/// Sets the style of all windows.
 pub(crate) fn apply(ctx: &egui::Context) {
     ctx.all_styles_mut(|style| {
         style.spacing.item_spacing = vec2(6.0, 5.0);

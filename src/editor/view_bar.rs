@@ -1,4 +1,4 @@
-//! The bar over the view: what is shown, and how.
+//! The bar above the view: the shown node, and the settings of the view.
 
 use eframe::egui::{self, ComboBox, DragValue, Ui};
 
@@ -37,7 +37,7 @@ impl Editor {
         });
     }
 
-    /// How it looks.
+    /// Shows the settings of the look.
     fn look(&mut self, ui: &mut Ui) {
         let mode = self.map.look.mode;
         let combo = ComboBox::from_id_salt("look").selected_text(mode.name()).width(64.0).show_ui(ui, |ui| {
@@ -51,13 +51,13 @@ impl Editor {
         ui.toggle_value(&mut self.map.look.contours, "Contours").on_hover_text("Lines of equal value");
         ui.toggle_value(&mut self.map.charts, "Charts")
             .on_hover_text("Histogram, and the profile along a line drawn with Shift");
-        ui.toggle_value(&mut self.wipe.on, "Compare").on_hover_text(Command::Compare.help());
+        ui.toggle_value(&mut self.wipe.is_on, "Compare").on_hover_text(Command::Compare.help());
         if self.view == Page::Relief {
             self.in_space(ui);
         }
     }
 
-    /// How many samples are shown.
+    /// Shows the choice of the number of samples.
     fn samples(&mut self, ui: &mut Ui) {
         let text = |n: Option<u32>| n.map_or("auto".to_owned(), |n| format!("{n}²"));
         let samples = &mut self.map.samples;
@@ -73,7 +73,7 @@ impl Editor {
         );
     }
 
-    /// The output that colours the terrain.
+    /// Shows the choice of the output that colours the terrain.
     fn colours(&mut self, ui: &mut Ui) {
         let graph = self.document.graph();
         let drape = self.drape.clone().filter(|s| graph.wire_type(s).is_some());
@@ -91,7 +91,7 @@ impl Editor {
         self.drape = picked;
     }
 
-    /// What only the relief has.
+    /// Shows the settings that only the relief has.
     fn in_space(&mut self, ui: &mut Ui) {
         let times = DragValue::new(&mut self.relief.exaggeration).range(0.1..=20.0).speed(0.02);
         let times = ui.add(times.prefix("× "));
@@ -109,7 +109,7 @@ impl Editor {
         });
     }
 
-    /// What a hand does on the terrain.
+    /// Shows the tools that draw and paint on the terrain.
     fn tools(&mut self, ui: &mut Ui) {
         let (draws, paints) = match self.drawing.sheet() {
             Some(Sheet::Strokes(_)) => (false, self.drawing.tool == Tool::Brush),
@@ -120,12 +120,12 @@ impl Editor {
         for (on, text, command) in [(draws, "✏ Draw", Command::Draw), (paints, "🎨 Paint", Command::Paint)]
         {
             if ui.selectable_label(on, text).on_hover_text(command.help()).clicked() {
-                if on { self.drawing.rest() } else { self.perform(&ctx, command) }
+                if on { self.drawing.end_tool() } else { self.perform(&ctx, command) }
             }
         }
     }
 
-    /// The node that is shown, whether it is pinned, and which of its outputs.
+    /// Shows the name of the shown node, its pin, and the choice of its output.
     fn shown(&mut self, ui: &mut Ui) {
         let Some(source) = self.target() else {
             ui.weak("nothing selected");
@@ -139,7 +139,7 @@ impl Editor {
         if pin.changed() {
             self.pinned = pinned.then_some(source.node);
         }
-        // Of one width, so that the rest of the bar stays where it is.
+        // The name has a fixed width, so that the rest of the bar does not move.
         let name = shown(&name);
         let label = egui::Label::new(egui::RichText::new(&name).strong()).truncate();
         ui.add_sized([110.0, ui.spacing().interact_size.y], label).on_hover_text(&name);

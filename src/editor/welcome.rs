@@ -1,4 +1,4 @@
-//! The first-run page: three presets to begin with.
+//! The first-run page, which offers three presets.
 
 use std::io::Cursor;
 
@@ -73,13 +73,13 @@ impl Editor {
         } else if stays && !closed {
             return Some(Dialog::Welcome);
         }
-        self.settings.welcomed = true;
-        self.write_settings();
+        self.preferences.welcomed = true;
+        self.write_preferences();
         None
     }
 }
 
-/// A preset as a picture with its name; true when it was clicked.
+/// Shows a preset as a picture with its name; returns whether it was clicked.
 fn shown(ui: &mut Ui, preset: &Preset) -> bool {
     let width = ui.available_width();
     let size = vec2(width, width * 9.0 / 16.0);
@@ -101,7 +101,7 @@ fn shown(ui: &mut Ui, preset: &Preset) -> bool {
     clicked || named
 }
 
-/// The picture of a preset, decoded once.
+/// The texture of a preset's picture, which is decoded once.
 fn picture(ctx: &Context, preset: &Preset) -> Option<TextureHandle> {
     let id = Id::new(("welcome", preset.name));
     if let Some(found) = ctx.data(|d| d.get_temp::<TextureHandle>(id)) {

@@ -1,4 +1,4 @@
-//! A build that runs: its process, and how far each node is.
+//! A running build: its process, and the progress of its nodes.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -18,15 +18,15 @@ pub(super) struct Running {
     ended: Option<bool>,
 }
 
-/// What the process has said.
+/// The output of the process so far.
 #[derive(Default)]
 struct News {
-    /// Each node that has begun, in that order.
+    /// The nodes that have started, in that order.
     nodes: Vec<Node>,
     lines: Vec<String>,
 }
 
-/// How far a node is; with tiles it runs more than once.
+/// The progress of a node; a build in tiles runs it more than once.
 struct Node {
     name: String,
     share: f32,
@@ -36,17 +36,17 @@ struct Node {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // It may have ended.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
 impl Running {
-    /// Starts the program with some words.
+    /// Starts the program with these arguments.
     ///
     /// # Errors
-    /// When it cannot be found or started.
+    /// Fails when the program cannot be found or started.
     pub(super) fn start(program: Option<&Path>, words: &[String], ctx: &Context) -> std::io::Result<Self> {
         let missing = || std::io::Error::other("this program cannot find its own file");
         let mut process = Process::new(program.ok_or_else(missing)?);
@@ -72,7 +72,7 @@ impl Running {
         self.ended.is_none()
     }
 
-    /// Shows how far it is; true when it shall be stopped, or has ended and is done with.
+    /// Shows the progress; returns whether the build was stopped, or has ended and was dismissed.
     pub(super) fn show(&mut self, ui: &mut Ui, folder: &str) -> bool {
         if self.ended.is_none()
             && let Ok(Some(status)) = self.child.try_wait()
@@ -109,7 +109,7 @@ impl Node {
 }
 
 impl News {
-    /// Takes in a line of the process: an event of its progress, or something it says.
+    /// Reads a line of the process: a progress event, or text for the user.
     fn hear(&mut self, line: String) {
         let event = serde_json::from_str::<serde_json::Value>(&line).ok();
         let Some(event) = event.filter(|e| e["event"].is_string()) else {

@@ -1,4 +1,4 @@
-//! Bringing nodes into order: columns from sources to results, and alignment.
+//! Arrangement of nodes: columns from sources to results, and alignment.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,13 +6,13 @@ use super::layout::{Layout, WIDTH};
 use crate::graph::{Graph, NodeId, Problem};
 use crate::name::Name;
 
-/// Free room between two columns, and between two nodes of one.
+/// The gap between two columns, and between two nodes of a column.
 const GAP: [f32; 2] = [68.0, 24.0];
-/// Sweeps that bring the nodes of a column near those they are wired to.
+/// Number of sweeps over the columns that move nodes towards those they are wired to.
 const SWEEPS: usize = 6;
 
-/// Puts nodes into columns: each to the right of all that it reads, near what it is wired to; the upper left corner of
-/// them all stays.
+/// Arranges nodes in columns: each stands to the right of all nodes it reads, at the height of those it is wired to.
+/// The upper left corner of the nodes stays where it was.
 pub(crate) fn columns(graph: &mut Graph, nodes: &BTreeSet<NodeId>) -> Result<(), Problem> {
     let places = places(graph, nodes);
     for (id, at) in places {
@@ -81,7 +81,7 @@ fn ranks(graph: &Graph, nodes: &BTreeSet<NodeId>) -> BTreeMap<NodeId, usize> {
         let rank = sources.map(|r| r + 1).max().unwrap_or(0);
         ranks.insert(id, rank);
     }
-    // A source stands beside the first that reads it, not at the far left.
+    // A node without inputs stands beside the first node that reads it, not at the far left.
     let mut pulled = ranks.clone();
     for (&id, &rank) in &ranks {
         if graph.inputs(id).next().is_none() {
@@ -93,7 +93,7 @@ fn ranks(graph: &Graph, nodes: &BTreeSet<NodeId>) -> BTreeMap<NodeId, usize> {
     pulled
 }
 
-/// Where a node would like to be: the mean of what it reads, or of what reads it.
+/// The preferred height of a node: the mean of the nodes it reads, or of those that read it.
 fn pull(graph: &Graph, id: NodeId, forward: bool, middle: &BTreeMap<NodeId, f32>) -> f32 {
     let own = middle.get(&id).copied().unwrap_or(0.0);
     let places: Vec<f32> = if forward {
@@ -104,9 +104,9 @@ fn pull(graph: &Graph, id: NodeId, forward: bool, middle: &BTreeMap<NodeId, f32>
     if places.is_empty() { own } else { places.iter().sum::<f32>() / places.len() as f32 }
 }
 
-/// Puts the nodes of a column as near to where they would like to be as their heights allow.
+/// Places the nodes of a column as near to their preferred heights as is possible without overlap.
 fn settle(wanted: &[(f32, NodeId)], height: impl Fn(NodeId) -> f32, middle: &mut BTreeMap<NodeId, f32>) {
-    // Runs of touching nodes share a shift: each is the mean of what its nodes want.
+    // Touching nodes form a run, whose middle is the mean of the middles that its nodes prefer.
     let mut runs: Vec<(f32, f32, Vec<NodeId>)> = Vec::new();
     for &(want, id) in wanted {
         let mut run = (want, height(id), vec![id]);
@@ -117,7 +117,7 @@ fn settle(wanted: &[(f32, NodeId)], height: impl Fn(NodeId) -> f32, middle: &mut
             let Some((at, high, mut ids)) = runs.pop() else { break };
             let (a, b) = (ids.len() as f32, run.2.len() as f32);
             let joined = high + run.1;
-            // Middles of the joined run that each part would like.
+            // The middle of the joined run that each of the two parts prefers.
             let (first, second) = (at + 0.5 * (joined - high), run.0 - 0.5 * (joined - run.1));
             ids.append(&mut run.2);
             run = ((first * a + second * b) / (a + b), joined, ids);
@@ -133,16 +133,16 @@ fn settle(wanted: &[(f32, NodeId)], height: impl Fn(NodeId) -> f32, middle: &mut
     }
 }
 
-/// A line that nodes are brought to.
+/// The edge by which nodes are aligned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Side {
+pub(crate) enum AlignEdge {
     Left,
     Top,
 }
 
-/// Brings the left or upper sides of nodes to one line: that of the outermost.
-pub(crate) fn align(graph: &mut Graph, nodes: &BTreeSet<NodeId>, side: Side) -> Result<(), Problem> {
-    let axis = usize::from(side == Side::Top);
+/// Aligns the left or upper edges of nodes with that of the outermost node.
+pub(crate) fn align(graph: &mut Graph, nodes: &BTreeSet<NodeId>, edge: AlignEdge) -> Result<(), Problem> {
+    let axis = usize::from(edge == AlignEdge::Top);
     let places = nodes.iter().filter_map(|id| graph.get(*id)).map(|n| n.at[axis]);
     let line = places.fold(f64::INFINITY, f64::min);
     for &id in nodes {
@@ -190,7 +190,7 @@ mod tests {
         for (i, id) in ids.iter().enumerate() {
             graph.move_to(*id, [100.0 - 30.0 * i as f64, 10.0 * i as f64]).expect("moves");
         }
-        align(&mut graph, &BTreeSet::from(ids), Side::Left).expect("moves");
+        align(&mut graph, &BTreeSet::from(ids), AlignEdge::Left).expect("moves");
         assert!(ids.iter().all(|id| graph.node(*id).at[0] == 40.0));
         assert_eq!(graph.node(ids[2]).at[1], 20.0);
     }

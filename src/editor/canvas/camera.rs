@@ -1,11 +1,11 @@
-//! Which part of the canvas is seen.
+//! The camera of the canvas: which part is visible, and how large.
 
 use eframe::egui::{Pos2, Rect, Vec2, vec2};
 
-/// Least and most that the canvas is enlarged.
+/// The least and the greatest zoom.
 const ZOOM: [f32; 2] = [0.08, 2.5];
 
-/// A place on the canvas in the middle of the view, and how much it is enlarged.
+/// The place on the canvas in the middle of the view, and the zoom in points of the screen for each unit of the canvas.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Camera {
     pub(crate) middle: Vec2,
@@ -18,20 +18,20 @@ impl Default for Camera {
     }
 }
 
-/// The camera on a piece of screen.
+/// A camera and the part of the screen it fills.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct View {
+pub(crate) struct Viewport {
     pub(crate) camera: Camera,
     pub(crate) screen: Rect,
 }
 
-impl View {
-    /// Where a place on the canvas is on the screen.
+impl Viewport {
+    /// The point of the screen that shows a place on the canvas.
     pub(crate) fn pos(&self, world: Pos2) -> Pos2 {
         self.screen.center() + (world.to_vec2() - self.camera.middle) * self.camera.zoom
     }
 
-    /// Which place on the canvas is at a point of the screen.
+    /// The place on the canvas at a point of the screen.
     pub(crate) fn world(&self, pos: Pos2) -> Pos2 {
         ((pos - self.screen.center()) / self.camera.zoom + self.camera.middle).to_pos2()
     }
@@ -40,7 +40,7 @@ impl View {
         Rect::from_min_max(self.pos(world.min), self.pos(world.max))
     }
 
-    /// The part of the canvas that is seen.
+    /// The visible part of the canvas.
     pub(crate) fn seen(&self) -> Rect {
         Rect::from_min_max(self.world(self.screen.min), self.world(self.screen.max))
     }
@@ -51,15 +51,15 @@ impl View {
 }
 
 impl Camera {
-    /// Enlarges by a factor; what is at a point of the screen stays there.
+    /// Multiplies the zoom by a factor; the place at a point of the screen stays there.
     pub(crate) fn zoom_at(&mut self, screen: Rect, pos: Pos2, factor: f32) {
-        let fixed = View { camera: *self, screen }.world(pos).to_vec2();
+        let fixed = Viewport { camera: *self, screen }.world(pos).to_vec2();
         let zoom = (self.zoom * factor).clamp(ZOOM[0], ZOOM[1]);
         self.middle = fixed + (self.middle - fixed) * (self.zoom / zoom);
         self.zoom = zoom;
     }
 
-    /// Shows a part of the canvas whole, with a margin, no larger than it is.
+    /// Fits a part of the canvas into the screen, with a margin and at most at a zoom of 1.
     pub(crate) fn fit(&mut self, screen: Rect, world: Rect) {
         if !world.is_finite() || !screen.is_positive() {
             return;
@@ -82,9 +82,9 @@ mod tests {
         let screen = Rect::from_min_max(pos2(100.0, 50.0), pos2(900.0, 650.0));
         let mut camera = Camera { middle: vec2(30.0, -20.0), zoom: 0.7 };
         let pointer = pos2(333.0, 444.0);
-        let before = View { camera, screen }.world(pointer);
+        let before = Viewport { camera, screen }.world(pointer);
         camera.zoom_at(screen, pointer, 1.3);
-        assert!(View { camera, screen }.world(pointer).distance(before) < 1e-3);
+        assert!(Viewport { camera, screen }.world(pointer).distance(before) < 1e-3);
     }
 
     #[test]
@@ -93,7 +93,7 @@ mod tests {
         let world = Rect::from_min_max(pos2(-4000.0, 0.0), pos2(4000.0, 900.0));
         let mut camera = Camera::default();
         camera.fit(screen, world);
-        let view = View { camera, screen };
+        let view = Viewport { camera, screen };
         assert!(screen.contains_rect(view.rect(world)));
     }
 }

@@ -1,25 +1,25 @@
-//! How gestures end: what lies under the pointer when a hand lets go.
+//! The end of gestures: what lies under the pointer when the button is released.
 
 use std::collections::BTreeMap;
 
 use eframe::egui::{Color32, Stroke, StrokeKind, Ui, vec2};
 
-use super::camera::View;
+use super::camera::Viewport;
 use super::gesture::Gesture;
 use super::layout::Layout;
 use super::search::Search;
 use super::wire::Course;
-use super::{Canvas, Desk, paint, wires};
+use super::{Canvas, CanvasContext, paint, wires};
 use crate::editor::ops::{self, End};
 use crate::editor::theme;
 use crate::graph::{Graph, NodeId, Problem};
 use crate::name::Name;
 use crate::ports::Port;
 
-/// How near a port the pointer counts as on it, in points of the screen.
+/// Distance within which the pointer is on a port, in points of the screen.
 const NEAR: f32 = 16.0;
 
-/// Where a wire would go if it were let go.
+/// The wire that would be made if the button were released now.
 struct Landing {
     /// The output's node and port, then the input's.
     wire: (NodeId, Name, NodeId, Name),
@@ -27,14 +27,14 @@ struct Landing {
 }
 
 impl Canvas {
-    /// Draws what a hand does over everything else.
+    /// Draws the gesture in progress over everything else.
     pub(super) fn overlay(
         &self,
         ui: &Ui,
-        view: &View,
+        view: &Viewport,
         layouts: &BTreeMap<NodeId, Layout>,
         courses: &[Course],
-        desk: &Desk<'_>,
+        cx: &CanvasContext<'_>,
     ) {
         match &self.gesture {
             Gesture::Box { from, .. } => {
@@ -42,9 +42,9 @@ impl Canvas {
                 ui.painter().rect_filled(area, 0.0, theme::CHOSEN.gamma_multiply(0.08));
                 ui.painter().rect_stroke(area, 0.0, Stroke::new(1.0, theme::CHOSEN), StrokeKind::Inside);
             }
-            Gesture::Wire { end, .. } => self.wire_in_hand(ui, view, layouts, end, desk),
+            Gesture::Wire { end, .. } => self.wire_in_hand(ui, view, layouts, end, cx),
             Gesture::Move { .. } => {
-                if let Some(course) = self.wire_below(view, courses, desk.graph()) {
+                if let Some(course) = self.wire_below(view, courses, cx.graph()) {
                     let stroke = Stroke::new(4.0, theme::CHOSEN);
                     ui.painter().extend(super::wire::shapes(&course.points, view, stroke));
                 }
@@ -64,14 +64,14 @@ impl Canvas {
     fn wire_in_hand(
         &self,
         ui: &Ui,
-        view: &View,
+        view: &Viewport,
         layouts: &BTreeMap<NodeId, Layout>,
         end: &End,
-        desk: &Desk<'_>,
+        cx: &CanvasContext<'_>,
     ) {
         let Some((from, forward)) = port_of(end, layouts) else { return };
-        let color = end.wire(desk.graph()).map_or(Color32::GRAY, theme::wire_color);
-        let landing = self.landing(view, layouts, end, desk.graph());
+        let color = end.wire(cx.graph()).map_or(Color32::GRAY, theme::wire_color);
+        let landing = self.landing(view, layouts, end, cx.graph());
         match landing.map(|l| l.fits) {
             Some(Err(problem)) => {
                 self.pulled(ui, view, from, forward, theme::ERROR);
@@ -83,10 +83,10 @@ impl Canvas {
         }
     }
 
-    /// The port or node under the pointer that a wire would land on.
+    /// The port or node under the pointer that the dragged wire would be connected to.
     fn landing(
         &self,
-        view: &View,
+        view: &Viewport,
         layouts: &BTreeMap<NodeId, Layout>,
         end: &End,
         graph: &Graph,
@@ -109,7 +109,7 @@ impl Canvas {
         Some(Landing { wire, fits })
     }
 
-    /// The node whose body the pointer is on, with the port that fits best: a free one before one in use.
+    /// The node whose body is under the pointer, with the port that fits best; free ports come before those in use.
     fn body(&self, layouts: &BTreeMap<NodeId, Layout>, end: &End, graph: &Graph) -> Option<(NodeId, Name)> {
         let (&id, _) = layouts.iter().rev().find(|(_, l)| l.rect.contains(self.pointer))?;
         let own = match end {
@@ -129,8 +129,8 @@ impl Canvas {
         Some((id, port?.name.clone()))
     }
 
-    /// The wire that a single node would be put into where it is now.
-    fn wire_below<'a>(&self, view: &View, courses: &'a [Course], graph: &Graph) -> Option<&'a Course> {
+    /// The wire into which the node that is being moved would be inserted at its present place.
+    fn wire_below<'a>(&self, view: &Viewport, courses: &'a [Course], graph: &Graph) -> Option<&'a Course> {
         let Gesture::Move { nodes, .. } = &self.gesture else { return None };
         let (Some(&id), 1) = (nodes.iter().next(), nodes.len()) else { return None };
         let lonely = graph.inputs(id).next().is_none() && graph.consumers(id).next().is_none();
@@ -138,14 +138,14 @@ impl Canvas {
         ops::between(graph, id, &course.source, course.to).map(|_| course)
     }
 
-    /// Ends the gesture when the hand lets go.
+    /// Ends the gesture when the button is released.
     pub(super) fn finish(
         &mut self,
         ui: &Ui,
-        view: &View,
+        view: &Viewport,
         layouts: &BTreeMap<NodeId, Layout>,
         courses: &[Course],
-        desk: &mut Desk<'_>,
+        cx: &mut CanvasContext<'_>,
     ) {
         let (down, escape) =
             ui.input(|i| (i.pointer.primary_down(), i.key_pressed(eframe::egui::Key::Escape)));
@@ -155,14 +155,14 @@ impl Canvas {
         if down {
             return;
         }
-        let below = self.wire_below(view, courses, desk.graph()).cloned();
+        let below = self.wire_below(view, courses, cx.graph()).cloned();
         match std::mem::take(&mut self.gesture) {
             Gesture::None | Gesture::Box { .. } => (),
             Gesture::Move { by, nodes, notes, .. } => {
                 let by = [f64::from(by.x), f64::from(by.y)];
                 let label =
                     if nodes.len() > 1 { format!("Move {} nodes", nodes.len()) } else { "Move".into() };
-                desk.edit(&label, |g| {
+                cx.edit(&label, |g| {
                     ops::shift(g, &nodes, &notes, by)?;
                     match (below, nodes.first()) {
                         (Some(c), Some(&id)) => ops::insert(g, id, &c.source, c.to, &c.input),
@@ -171,55 +171,55 @@ impl Canvas {
                 });
             }
             Gesture::Wire { end, taken } => {
-                let landing = self.landing(view, layouts, &end, desk.graph());
-                self.land(view, end, taken, landing, desk);
+                let landing = self.landing(view, layouts, &end, cx.graph());
+                self.land(view, end, taken, landing, cx);
             }
             Gesture::Bend { node, input, index } => {
                 let at = self.snapped(self.pointer);
-                let mut bends = desk.graph().bends(node, &input).to_vec();
+                let mut bends = cx.graph().bends(node, &input).to_vec();
                 if let Some(bend) = bends.get_mut(index) {
                     *bend = [f64::from(at.x), f64::from(at.y)];
                 }
-                desk.edit("Move bend", |g| g.set_bends(node, &input, bends));
+                cx.edit("Move bend", |g| g.set_bends(node, &input, bends));
             }
             Gesture::Resize { name, size } => {
-                let Some(note) = desk.graph().note(&name).cloned() else { return };
+                let Some(note) = cx.graph().note(&name).cloned() else { return };
                 let size = [f64::from(size.x), f64::from(size.y)];
-                desk.edit("Resize note", |g| g.change_note(&name, crate::graph::Note { size, ..note }));
+                cx.edit("Resize note", |g| g.change_note(&name, crate::graph::Note { size, ..note }));
             }
         }
     }
 
     fn land(
         &mut self,
-        view: &View,
+        view: &Viewport,
         end: End,
         taken: Option<(NodeId, Name)>,
         landing: Option<Landing>,
-        desk: &mut Desk<'_>,
+        cx: &mut CanvasContext<'_>,
     ) {
         match landing {
             Some(Landing { wire: (from, output, to, input), fits: Ok(()) }) => {
                 if taken.as_ref() == Some(&(to, input.clone())) {
                     return;
                 }
-                desk.edit("Connect", |g| {
+                cx.edit("Connect", |g| {
                     if let Some((node, old)) = taken {
                         g.disconnect(node, &old)?;
                     }
                     g.connect(from, &output, to, &input)
                 });
             }
-            Some(Landing { fits: Err(problem), .. }) => desk.notices.problem(&problem),
+            Some(Landing { fits: Err(problem), .. }) => cx.notices.problem(&problem),
             None => match taken {
-                Some((node, input)) => _ = desk.edit("Cut wire", |g| g.disconnect(node, &input)),
+                Some((node, input)) => _ = cx.edit("Cut wire", |g| g.disconnect(node, &input)),
                 None => self.search = Some(Search::new(view.pos(self.pointer), self.pointer, Some(end))),
             },
         }
     }
 }
 
-/// Where the port at the fixed end of a wire is, and whether the wire leaves it forwards.
+/// The place of the port at the fixed end of a wire, and whether this is an output.
 fn port_of(end: &End, layouts: &BTreeMap<NodeId, Layout>) -> Option<(eframe::egui::Pos2, bool)> {
     match end {
         End::From(source) => Some((layouts.get(&source.node)?.output(&source.port)?, true)),

@@ -1,4 +1,4 @@
-//! What a hand is doing between pressing and letting go.
+//! Gestures: what the user does between pressing and releasing a button.
 
 use std::collections::BTreeSet;
 
@@ -9,17 +9,17 @@ use crate::editor::ops::End;
 use crate::graph::{Graph, NodeId};
 use crate::name::Name;
 
-/// A gesture; the document changes when it ends.
+/// A gesture in progress; the document changes when it ends.
 #[derive(Clone, Debug, Default)]
 pub(super) enum Gesture {
-    /// Nothing.
+    /// No gesture.
     #[default]
     None,
-    /// Chooses what a box touches, beside what was chosen before.
+    /// Chooses what a box touches, in addition to what was chosen before.
     Box { from: Pos2, before: Chosen },
-    /// Moves what is chosen; the grabbed corner snaps.
+    /// Moves what is chosen; the corner of the grabbed node snaps to the grid.
     Move { from: Pos2, corner: Pos2, by: Vec2, nodes: BTreeSet<NodeId>, notes: BTreeSet<String> },
-    /// Pulls a wire; perhaps one that was taken from an input.
+    /// Drags a wire; `taken` is the input from which an existing wire was taken.
     Wire { end: End, taken: Option<(NodeId, Name)> },
     /// Moves a bend of a wire.
     Bend { node: NodeId, input: Name, index: usize },
@@ -28,7 +28,7 @@ pub(super) enum Gesture {
 }
 
 impl Gesture {
-    /// Follows the pointer.
+    /// Updates the gesture to a position of the pointer.
     pub(super) fn follow(&mut self, pointer: Pos2, snap: bool, graph: &Graph) {
         let snapped = |at: Pos2| if snap { (at / GRID).round() * GRID } else { at };
         match self {
@@ -45,7 +45,7 @@ impl Gesture {
         }
     }
 
-    /// How far things are being moved.
+    /// The distance by which nodes and notes are being moved.
     pub(super) fn shift(&self) -> Vec2 {
         match self {
             Self::Move { by, .. } => *by,

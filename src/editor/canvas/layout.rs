@@ -1,4 +1,4 @@
-//! Where the parts of a node are on the canvas.
+//! The layout of nodes and notes on the canvas, in its units.
 
 use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
 
@@ -7,21 +7,21 @@ use crate::ports::Port;
 
 /// Width of a node.
 pub(crate) const WIDTH: f32 = 212.0;
-/// Height of its title.
+/// Height of the title of a node.
 pub(crate) const HEAD: f32 = 26.0;
 /// Height of a port.
 const ROW: f32 = 17.0;
-/// Side of the picture.
+/// Width and height of the thumbnail.
 const PICTURE: f32 = 70.0;
-/// Room around the picture and the ports.
+/// Margin around the thumbnail and the ports.
 const PAD: f32 = 7.0;
 /// Height of the title of a note.
 pub(crate) const NOTE_HEAD: f32 = 24.0;
 
-/// A port with its place.
+/// A port and its place.
 pub(crate) type Pin = (Port, Pos2);
 
-/// Where the parts of a node are.
+/// The places of the parts of a node.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     pub(crate) rect: Rect,
@@ -83,7 +83,7 @@ pub(crate) fn note_rect(note: &Note) -> Rect {
     Rect::from_min_size(place(note.at), vec2(note.size[0] as f32, note.size[1] as f32))
 }
 
-/// What some nodes and notes cover together.
+/// The smallest rectangle around some nodes and notes.
 pub(crate) fn covered<'a>(
     graph: &Graph,
     nodes: impl IntoIterator<Item = NodeId>,

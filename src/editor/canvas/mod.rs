@@ -1,7 +1,7 @@
-//! The canvas: nodes, wires and notes under a pointer.
+//! The canvas: nodes, wires and notes that are edited with the pointer.
 //!
-//! It draws the document itself and keeps no second graph: what it holds is where one looks, what is chosen and what a
-//! hand is doing. A gesture changes the document once, when it ends.
+//! The canvas draws the document itself and keeps no copy of the graph. Its state is the camera, the selection and the
+//! gesture in progress. A gesture changes the document once, when it ends.
 
 pub(crate) mod arrange;
 pub(crate) mod camera;
@@ -22,10 +22,10 @@ use eframe::egui::{self, PointerButton, Pos2, Rect, Response, Sense, TextureHand
 
 pub(crate) use paint::{short, time};
 
-use camera::{Camera, View};
+use camera::{Camera, Viewport};
 use gesture::Gesture;
 use layout::{Layout, covered};
-use search::{Found, Search};
+use search::{Search, SearchOutcome};
 use wire::{Course, courses};
 
 use super::board::Board;
@@ -35,10 +35,10 @@ use super::ops::{self, End};
 use crate::engine::Key;
 use crate::graph::{Graph, NodeId, Problem};
 
-/// Distance between the lines that nodes snap to.
+/// Distance between the lines that nodes snap to, in units of the canvas.
 pub(crate) const GRID: f32 = 20.0;
 
-/// What is chosen.
+/// The chosen nodes and notes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Chosen {
     pub(crate) nodes: BTreeSet<NodeId>,
@@ -50,7 +50,7 @@ impl Chosen {
         Self { nodes: BTreeSet::from([id]), notes: BTreeSet::new() }
     }
 
-    /// The chosen node where it is the only one.
+    /// The chosen node, where exactly one is chosen.
     pub(crate) fn lone(&self) -> Option<NodeId> {
         self.nodes.first().copied().filter(|_| self.nodes.len() == 1)
     }
@@ -59,7 +59,7 @@ impl Chosen {
         self.nodes.is_empty() && self.notes.is_empty()
     }
 
-    /// Forgets what the graph no longer has.
+    /// Drops nodes and notes that the graph no longer has.
     pub(crate) fn prune(&mut self, graph: &Graph) {
         self.nodes.retain(|id| graph.get(*id).is_some());
         self.notes.retain(|name| graph.note(name).is_some());
@@ -71,35 +71,35 @@ pub(crate) struct Canvas {
     pub(crate) camera: Camera,
     pub(crate) chosen: Chosen,
     pub(crate) snap: bool,
-    /// Nodes that are seen, for the evaluator to hurry with.
+    /// The visible nodes, whose thumbnails the evaluator makes first.
     pub(crate) in_sight: Vec<NodeId>,
     gesture: Gesture,
     search: Option<Search>,
     pictures: BTreeMap<NodeId, (Key, TextureHandle)>,
-    /// Where the pointer was last, on the canvas.
+    /// The last position of the pointer, on the canvas.
     pointer: Pos2,
     screen: Rect,
-    fit: bool,
-    /// Whether the space bar, while it was down, was used to pan.
-    panned: bool,
+    needs_fit: bool,
+    /// Whether the space bar was used to pan since it was pressed.
+    was_panned: bool,
 }
 
-/// What the canvas works with for a frame.
-pub(crate) struct Desk<'a> {
+/// What the canvas borrows for a frame.
+pub(crate) struct CanvasContext<'a> {
     pub(crate) document: &'a mut Document,
     pub(crate) board: &'a Board,
     pub(crate) notices: &'a mut Notices,
     pub(crate) pinned: Option<NodeId>,
-    /// Whether nodes tell how long they took.
+    /// Whether nodes show how long they took.
     pub(crate) times: bool,
 }
 
-impl Desk<'_> {
+impl CanvasContext<'_> {
     pub(crate) fn graph(&self) -> &Graph {
         self.document.graph()
     }
 
-    /// Changes the document and tells what refuses to be changed.
+    /// Changes the document; shows a notice where the change is refused.
     pub(crate) fn edit<T>(
         &mut self,
         label: &str,
@@ -115,12 +115,12 @@ impl Desk<'_> {
     }
 }
 
-/// What a frame of the canvas asks of the window.
+/// What the user asked for on the canvas that the window has to do.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Wishes {
+pub(crate) struct Requests {
     /// A node to pin in the view.
     pub(crate) pin: Option<NodeId>,
-    /// A command that was chosen in a menu.
+    /// A command chosen in a menu.
     pub(crate) command: Option<super::command::Command>,
 }
 
@@ -136,19 +136,19 @@ impl Default for Canvas {
             pictures: BTreeMap::new(),
             pointer: Pos2::ZERO,
             screen: Rect::NOTHING,
-            fit: true,
-            panned: false,
+            needs_fit: true,
+            was_panned: false,
         }
     }
 }
 
 impl Canvas {
-    /// Shows everything in the next frame.
+    /// Fits the view to the whole graph in the next frame.
     pub(crate) fn show_all(&mut self) {
-        self.fit = true;
+        self.needs_fit = true;
     }
 
-    /// Opens the search where the pointer is, or in the middle.
+    /// Opens the search at the pointer, or in the middle where the pointer is outside.
     pub(crate) fn open_search(&mut self) {
         let view = self.view();
         let at = view.pos(self.pointer);
@@ -156,12 +156,12 @@ impl Canvas {
         self.search = Some(Search::new(at, view.world(at), None));
     }
 
-    /// Whether a hand is at work, so that keys should wait.
+    /// Whether a gesture is in progress or the search is open, so that keys do not run commands.
     pub(crate) fn is_busy(&self) -> bool {
         self.search.is_some() || !matches!(self.gesture, Gesture::None)
     }
 
-    /// Where new things should go: the pointer, else the middle.
+    /// The place for new nodes and notes: the pointer, or the middle where the pointer is outside.
     pub(crate) fn place(&self) -> [f64; 2] {
         let at = if self.view().seen().contains(self.pointer) {
             self.pointer
@@ -172,7 +172,7 @@ impl Canvas {
         [f64::from(at.x), f64::from(at.y)]
     }
 
-    /// Shows what is chosen, or everything, as large as fits.
+    /// Fits the view to what is chosen, or to the whole graph.
     pub(crate) fn frame(&mut self, graph: &Graph) {
         let some = &self.chosen;
         let rect = if some.is_empty() {
@@ -183,23 +183,23 @@ impl Canvas {
         self.camera.fit(self.screen, rect);
     }
 
-    fn view(&self) -> View {
-        View { camera: self.camera, screen: self.screen }
+    fn view(&self) -> Viewport {
+        Viewport { camera: self.camera, screen: self.screen }
     }
 
     fn snapped(&self, at: Pos2) -> Pos2 {
         if self.snap { (at / GRID).round() * GRID } else { at }
     }
 
-    /// Draws the canvas and does what hands do.
-    pub(crate) fn show(&mut self, ui: &mut Ui, desk: &mut Desk<'_>) -> Wishes {
-        let mut wishes = Wishes::default();
+    /// Draws the canvas and handles its input.
+    pub(crate) fn show(&mut self, ui: &mut Ui, cx: &mut CanvasContext<'_>) -> Requests {
+        let mut requests = Requests::default();
         let (screen, ground) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         ground.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, "canvas"));
         self.screen = screen;
-        self.chosen.prune(desk.graph());
-        if std::mem::take(&mut self.fit) {
-            let graph = desk.graph();
+        self.chosen.prune(cx.graph());
+        if std::mem::take(&mut self.needs_fit) {
+            let graph = cx.graph();
             let all = covered(graph, graph.nodes(), graph.notes().map(|(n, _)| n));
             self.camera.fit(screen, all);
         }
@@ -211,20 +211,20 @@ impl Canvas {
         let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(screen).id_salt("canvas"));
         ui.set_clip_rect(screen.intersect(ui.clip_rect()));
         paint::ground(&ui, &view);
-        self.gesture.follow(self.pointer, self.snap, desk.graph());
-        self.notes(&mut ui, &view, desk);
-        let layouts = self.layouts(desk.graph());
-        let courses = all_courses(desk.graph(), &layouts);
-        self.wires(&mut ui, &view, &courses, &ground, desk);
-        self.nodes(&mut ui, &view, &layouts, desk, &mut wishes);
-        self.overlay(&ui, &view, &layouts, &courses, desk);
-        self.ground(&ui, &view, &ground, &layouts, desk, &mut wishes);
-        self.finish(&ui, &view, &layouts, &courses, desk);
-        self.searching(&ui, desk);
-        if desk.graph().nodes().len() == 0 && self.search.is_none() {
+        self.gesture.follow(self.pointer, self.snap, cx.graph());
+        self.notes(&mut ui, &view, cx);
+        let layouts = self.layouts(cx.graph());
+        let courses = all_courses(cx.graph(), &layouts);
+        self.wires(&mut ui, &view, &courses, &ground, cx);
+        self.nodes(&mut ui, &view, &layouts, cx, &mut requests);
+        self.overlay(&ui, &view, &layouts, &courses, cx);
+        self.ground(&ui, &view, &ground, &layouts, cx, &mut requests);
+        self.finish(&ui, &view, &layouts, &courses, cx);
+        self.searching(&ui, cx);
+        if cx.graph().nodes().len() == 0 && self.search.is_none() {
             paint::invitation(&ui, screen);
         }
-        wishes
+        requests
     }
 
     /// Pans and zooms.
@@ -250,18 +250,18 @@ impl Canvas {
             self.camera.middle.x -= scroll.x / self.camera.zoom;
         }
         let released = ui.input(|i| i.key_released(egui::Key::Space));
-        if released && !std::mem::take(&mut self.panned) && !ui.ctx().egui_wants_keyboard_input() {
+        if released && !std::mem::take(&mut self.was_panned) && !ui.ctx().egui_wants_keyboard_input() {
             self.open_search();
         }
         if let Some(delta) = hand {
             self.camera.middle -= delta / self.camera.zoom;
-            self.panned |= ui.input(|i| i.key_down(egui::Key::Space));
+            self.was_panned |= ui.input(|i| i.key_down(egui::Key::Space));
         } else if ground.dragged_by(PointerButton::Secondary) {
             self.camera.middle -= ground.drag_delta() / self.camera.zoom;
         }
     }
 
-    /// Where all nodes are, with those that are being moved where they would come to be.
+    /// The layouts of all nodes, with nodes that are being moved at their new places.
     fn layouts(&self, graph: &Graph) -> BTreeMap<NodeId, Layout> {
         let by = self.gesture.shift();
         let one = |id: NodeId| {
@@ -274,15 +274,15 @@ impl Canvas {
         graph.nodes().map(one).collect()
     }
 
-    /// What happens on the empty ground: choosing by a box, menus, the search.
+    /// Handles input on the empty ground: choosing by a box, the menu, the search.
     fn ground(
         &mut self,
         ui: &Ui,
-        view: &View,
+        view: &Viewport,
         ground: &Response,
         layouts: &BTreeMap<NodeId, Layout>,
-        desk: &mut Desk<'_>,
-        wishes: &mut Wishes,
+        cx: &mut CanvasContext<'_>,
+        requests: &mut Requests,
     ) {
         let adds = ui.input(|i| i.modifiers.shift || i.modifiers.command);
         let space = ui.input(|i| i.key_down(egui::Key::Space));
@@ -290,7 +290,7 @@ impl Canvas {
             self.chosen = Chosen::default();
         }
         if ground.double_clicked()
-            && wires::under(&all_courses(desk.graph(), layouts), view, self.pointer).is_none()
+            && wires::under(&all_courses(cx.graph(), layouts), view, self.pointer).is_none()
         {
             self.open_search();
         }
@@ -304,27 +304,27 @@ impl Canvas {
             let mut chosen = before.clone();
             chosen.nodes.extend(layouts.iter().filter(|(_, l)| area.intersects(l.rect)).map(|(id, _)| *id));
             let inside = |n: &&crate::graph::Note| area.contains_rect(layout::note_rect(n));
-            let notes = desk.graph().notes().filter(|(_, n)| inside(n)).map(|(name, _)| name.to_owned());
+            let notes = cx.graph().notes().filter(|(_, n)| inside(n)).map(|(name, _)| name.to_owned());
             chosen.notes.extend(notes);
             self.chosen = chosen;
         }
-        ground.context_menu(|ui| wishes.command = menu::ground(ui).or(wishes.command.take()));
+        ground.context_menu(|ui| requests.command = menu::ground(ui).or(requests.command.take()));
     }
 
-    /// Runs the search that is open.
-    fn searching(&mut self, ui: &Ui, desk: &mut Desk<'_>) {
+    /// Shows the search, where it is open.
+    fn searching(&mut self, ui: &Ui, cx: &mut CanvasContext<'_>) {
         let Some(mut search) = self.search.take() else { return };
-        match search.show(ui, self.screen, desk.graph()) {
-            Found::Nothing => self.search = Some(search),
-            Found::Closed => (),
-            Found::Kind(kind) => {
+        match search.show(ui, self.screen, cx.graph()) {
+            SearchOutcome::Nothing => self.search = Some(search),
+            SearchOutcome::Closed => (),
+            SearchOutcome::Kind(kind) => {
                 let at = self.snapped(match search.end {
                     Some(End::To(..)) => search.at - vec2(layout::WIDTH, layout::HEAD),
                     _ => search.at - vec2(0.0, layout::HEAD),
                 });
                 let at = [f64::from(at.x), f64::from(at.y)];
                 let label = format!("Add {}", kind.id);
-                if let Some(id) = desk.edit(&label, |g| ops::add(g, &kind, at, search.end)) {
+                if let Some(id) = cx.edit(&label, |g| ops::add(g, &kind, at, search.end)) {
                     self.chosen = Chosen::only(id);
                 }
             }

@@ -1,51 +1,51 @@
-//! Nodes under the pointer: choosing, moving, pulling wires from their ports.
+//! Input on nodes: choosing, moving, dragging wires from their ports.
 
 use std::collections::BTreeMap;
 
 use eframe::egui::{self, Id, PointerButton, Pos2, Rect, Response, Sense, Ui, vec2};
 
-use super::camera::View;
+use super::camera::Viewport;
 use super::gesture::Gesture;
 use super::layout::Layout;
-use super::{Canvas, Chosen, Desk, Wishes, menu, paint};
+use super::{Canvas, CanvasContext, Chosen, Requests, menu, paint};
 use crate::editor::ops::End;
 use crate::graph::{Graph, NodeId, Source};
 use crate::ports::Port;
 
-/// Below this enlargement ports cannot be hit and are not offered.
+/// Zoom below which ports are too small to be hit and do not react.
 const PORTS: f32 = 0.3;
 
 impl Canvas {
     pub(super) fn nodes(
         &mut self,
         ui: &mut Ui,
-        view: &View,
+        view: &Viewport,
         layouts: &BTreeMap<NodeId, Layout>,
-        desk: &mut Desk<'_>,
-        wishes: &mut Wishes,
+        cx: &mut CanvasContext<'_>,
+        requests: &mut Requests,
     ) {
-        self.pictures(ui, desk);
+        self.pictures(ui, cx);
         let seen = view.seen();
         self.in_sight.clear();
         for (&id, layout) in layouts.iter().filter(|(_, l)| seen.intersects(l.rect)) {
             self.in_sight.push(id);
-            let response = self.node(ui, view, id, layout, desk, wishes);
+            let response = self.node(ui, view, id, layout, cx, requests);
             let look = paint::NodeLook {
                 chosen: self.chosen.nodes.contains(&id),
                 hovered: response.hovered(),
-                pinned: desk.pinned == Some(id),
+                pinned: cx.pinned == Some(id),
                 picture: self.pictures.get(&id).map(|(_, t)| t.id()),
             };
-            paint::node(ui, view, id, layout, &look, desk);
+            paint::node(ui, view, id, layout, &look, cx);
             if view.zoom() >= PORTS {
-                self.ports(ui, view, id, layout, desk);
+                self.ports(ui, view, id, layout, cx);
             }
         }
     }
 
-    /// Keeps a texture for each thumbnail.
-    fn pictures(&mut self, ui: &Ui, desk: &Desk<'_>) {
-        let thumbnails = &desk.board.thumbnails;
+    /// Uploads the thumbnails that have changed as textures.
+    fn pictures(&mut self, ui: &Ui, cx: &CanvasContext<'_>) {
+        let thumbnails = &cx.board.thumbnails;
         self.pictures.retain(|id, _| thumbnails.contains_key(id));
         for (id, seen) in thumbnails {
             if self.pictures.get(id).is_none_or(|(key, _)| *key != seen.key) {
@@ -60,14 +60,14 @@ impl Canvas {
     fn node(
         &mut self,
         ui: &Ui,
-        view: &View,
+        view: &Viewport,
         id: NodeId,
         layout: &Layout,
-        desk: &mut Desk<'_>,
-        wishes: &mut Wishes,
+        cx: &mut CanvasContext<'_>,
+        requests: &mut Requests,
     ) -> Response {
         let response = ui.interact(view.rect(layout.rect), node_id(id), Sense::click_and_drag());
-        let node = desk.graph().node(id);
+        let node = cx.graph().node(id);
         let label = format!("node {}", node.name);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label));
         let adds = ui.input(|i| i.modifiers.shift || i.modifiers.command);
@@ -78,7 +78,7 @@ impl Canvas {
             self.chosen = Chosen::only(id);
         }
         if response.double_clicked() {
-            wishes.pin = Some(id);
+            requests.pin = Some(id);
         }
         if response.drag_started_by(PointerButton::Primary) {
             if !self.chosen.nodes.contains(&id) {
@@ -87,7 +87,7 @@ impl Canvas {
             let from = ui.input(|i| i.pointer.press_origin()).map_or(self.pointer, |p| view.world(p));
             self.grab(from, layout.rect.min);
         }
-        response.context_menu(|ui| wishes.command = menu::node(ui).or(wishes.command.take()));
+        response.context_menu(|ui| requests.command = menu::node(ui).or(requests.command.take()));
         response
     }
 
@@ -99,39 +99,39 @@ impl Canvas {
         }
     }
 
-    /// Starts to move what is chosen.
+    /// Starts to move the chosen nodes and notes.
     pub(super) fn grab(&mut self, from: Pos2, corner: Pos2) {
         let Chosen { nodes, notes } = self.chosen.clone();
         self.gesture = Gesture::Move { from, corner, by: vec2(0.0, 0.0), nodes, notes };
     }
 
-    fn ports(&mut self, ui: &Ui, view: &View, id: NodeId, layout: &Layout, desk: &Desk<'_>) {
+    fn ports(&mut self, ui: &Ui, view: &Viewport, id: NodeId, layout: &Layout, cx: &CanvasContext<'_>) {
         let sides = [(&layout.inputs, "input"), (&layout.outputs, "output")];
         for (pins, side) in sides {
             for (port, at) in pins {
-                if let Some(started) = self.port(ui, view, id, port, *at, side, desk) {
+                if let Some(started) = self.port(ui, view, id, port, *at, side, cx) {
                     self.gesture = started;
                 }
             }
         }
     }
 
-    /// A port; the gesture of pulling a wire from it, when one begins.
+    /// Handles input on a port; returns the gesture of dragging a wire when one begins.
     #[allow(clippy::too_many_arguments, reason = "one caller; a struct would only rename them")]
     fn port(
         &self,
         ui: &Ui,
-        view: &View,
+        view: &Viewport,
         id: NodeId,
         port: &Port,
         at: Pos2,
         side: &'static str,
-        desk: &Desk<'_>,
+        cx: &CanvasContext<'_>,
     ) -> Option<Gesture> {
         let size = (15.0 * view.zoom()).clamp(9.0, 26.0);
         let rect = Rect::from_center_size(view.pos(at), vec2(size, size));
         let response = ui.interact(rect, port_id(id, side, &port.name), Sense::click_and_drag());
-        let graph = desk.graph();
+        let graph = cx.graph();
         let label = format!("{side} {}.{}", graph.node(id).name, port.name);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &label));
         let started = response.drag_started_by(PointerButton::Primary);
@@ -147,14 +147,14 @@ impl Canvas {
         let wire = |end, taken| Some(Gesture::Wire { end, taken });
         match (side, graph.source(id, &port.name)) {
             ("output", _) => wire(End::From(Source { node: id, port: port.name.clone() }), None),
-            // A wire that is there is taken by its end.
+            // A wire into this input is taken off it.
             (_, Some(source)) => wire(End::From(source), Some((id, port.name.clone()))),
             (_, None) => wire(End::To(id, port.name.clone()), None),
         }
     }
 }
 
-/// What is said of a port: its name, the type of its wire and what the numbers on it mean.
+/// The text about a port: its name, the type of its wire and its quantity.
 fn named(graph: &Graph, id: NodeId, port: &Port, side: &str) -> String {
     let (name, wire) = (&port.name, port.wire.name());
     let own = || Source { node: id, port: name.clone() };

@@ -1,30 +1,30 @@
-//! Notes under the pointer: frames and comments, behind the nodes.
+//! Notes: frames and comments behind the nodes, and input on them.
 
 use eframe::egui::{self, FontId, Id, PointerButton, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, vec2};
 
-use super::camera::View;
+use super::camera::Viewport;
 use super::gesture::Gesture;
 use super::layout::{Layout, NOTE_HEAD, note_rect};
-use super::{Canvas, Chosen, Desk};
+use super::{Canvas, CanvasContext, Chosen};
 use crate::editor::{shown, theme};
 use crate::graph::Note;
 use crate::text::printable_lines;
 
 impl Canvas {
-    pub(super) fn notes(&mut self, ui: &mut Ui, view: &View, desk: &mut Desk<'_>) {
+    pub(super) fn notes(&mut self, ui: &mut Ui, view: &Viewport, cx: &mut CanvasContext<'_>) {
         let notes: Vec<(String, Note)> =
-            desk.graph().notes().map(|(name, note)| (name.to_owned(), note.clone())).collect();
+            cx.graph().notes().map(|(name, note)| (name.to_owned(), note.clone())).collect();
         for (name, note) in &notes {
             let rect = self.where_is(name, note);
             if !view.seen().intersects(rect) {
                 continue;
             }
             paint(ui, view, rect, note, self.chosen.notes.contains(name));
-            self.note(ui, view, name, rect, desk);
+            self.note(ui, view, name, rect, cx);
         }
     }
 
-    /// Where a note is now: it may be in a hand.
+    /// The rectangle of a note, which may be being moved or resized.
     fn where_is(&self, name: &str, note: &Note) -> Rect {
         let rect = note_rect(note);
         match &self.gesture {
@@ -34,7 +34,7 @@ impl Canvas {
         }
     }
 
-    fn note(&mut self, ui: &Ui, view: &View, name: &str, rect: Rect, desk: &Desk<'_>) {
+    fn note(&mut self, ui: &Ui, view: &Viewport, name: &str, rect: Rect, cx: &CanvasContext<'_>) {
         let title = Rect::from_min_size(rect.min, vec2(rect.width(), NOTE_HEAD.min(rect.height())));
         let head = ui.interact(view.rect(title), Id::new(("note", name)), Sense::click_and_drag());
         let label = format!("note {name}");
@@ -48,11 +48,11 @@ impl Canvas {
         }
         if head.drag_started_by(PointerButton::Primary) {
             let from = ui.input(|i| i.pointer.press_origin()).map_or(self.pointer, |p| view.world(p));
-            // A frame takes along what stands in it; with Alt it goes alone.
+            // A frame takes the nodes and notes inside it along, unless Alt is down.
             if !ui.input(|i| i.modifiers.alt) {
                 let inside =
-                    |id: &crate::graph::NodeId| rect.contains_rect(Layout::of(desk.graph().node(*id)).rect);
-                self.chosen.nodes.extend(desk.graph().nodes().filter(inside));
+                    |id: &crate::graph::NodeId| rect.contains_rect(Layout::of(cx.graph().node(*id)).rect);
+                self.chosen.nodes.extend(cx.graph().nodes().filter(inside));
             }
             self.grab(from, rect.min);
         }
@@ -67,7 +67,7 @@ impl Canvas {
     }
 }
 
-fn paint(ui: &Ui, view: &View, rect: Rect, note: &Note, chosen: bool) {
+fn paint(ui: &Ui, view: &Viewport, rect: Rect, note: &Note, chosen: bool) {
     let zoom = view.zoom();
     let color = theme::note_color(note.color);
     let on_screen = view.rect(rect);
@@ -86,10 +86,10 @@ fn paint(ui: &Ui, view: &View, rect: Rect, note: &Note, chosen: bool) {
         let galley = painter.layout(text.to_owned(), font, color, width.max(10.0));
         painter.galley(at, galley, color);
     };
-    let pad = 7.0 * zoom;
-    let width = on_screen.width() - 2.0 * pad;
-    text(title.left_center() + vec2(pad, -8.0 * zoom), 13.5, &shown(&note.title), f32::INFINITY, true);
-    text(title.left_bottom() + vec2(pad, pad), 12.0, &printable_lines(&note.text), width, false);
+    let cx = 7.0 * zoom;
+    let width = on_screen.width() - 2.0 * cx;
+    text(title.left_center() + vec2(cx, -8.0 * zoom), 13.5, &shown(&note.title), f32::INFINITY, true);
+    text(title.left_bottom() + vec2(cx, cx), 12.0, &printable_lines(&note.text), width, false);
     let grip = view.pos(rect.max) - vec2(4.0, 4.0);
     let corners = vec![grip, grip - vec2(8.0, 0.0), grip - vec2(0.0, 8.0)];
     painter.add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));

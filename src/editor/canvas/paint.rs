@@ -1,21 +1,21 @@
-//! How nodes and the ground look.
+//! Painting of nodes and of the ground.
 
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, TextureId, Ui, pos2, vec2,
 };
 
-use super::camera::View;
+use super::camera::Viewport;
 use super::layout::{Layout, Pin};
-use super::{Desk, GRID};
+use super::{CanvasContext, GRID};
 use crate::editor::board::NodeState;
 use crate::editor::shown;
 use crate::editor::theme;
 use crate::graph::{GraphNode, NodeId, Problem};
 
-/// Below this enlargement nodes are boxes without texts.
+/// Zoom below which nodes are boxes without texts.
 const TEXT: f32 = 0.35;
 
-/// What decides how a node looks, beside the node.
+/// The state of a node's look that is not in the graph.
 pub(super) struct NodeLook {
     pub(super) chosen: bool,
     pub(super) hovered: bool,
@@ -23,13 +23,13 @@ pub(super) struct NodeLook {
     pub(super) picture: Option<TextureId>,
 }
 
-/// A size of letters in steps, so that zooming does not draw the letters of ever new sizes.
+/// The font size at a zoom, rounded to steps, so that zooming does not fill the font atlas with letters of many sizes.
 pub(super) fn font_size(size: f32, zoom: f32) -> f32 {
     ((size * zoom * 2.0).round() * 0.5).max(1.0)
 }
 
-/// The ground with its lines.
-pub(super) fn ground(ui: &Ui, view: &View) {
+/// Paints the ground and its grid.
+pub(super) fn ground(ui: &Ui, view: &Viewport) {
     let painter = ui.painter();
     painter.rect_filled(view.screen, 0.0, ui.visuals().extreme_bg_color);
     let seen = view.seen();
@@ -52,7 +52,7 @@ pub(super) fn ground(ui: &Ui, view: &View) {
     }
 }
 
-/// What an empty canvas says.
+/// Paints the text of an empty canvas.
 pub(super) fn invitation(ui: &Ui, screen: Rect) {
     let text = "Nothing here yet.\nDouble-click, or press Tab, to add a node.";
     let font = FontId::proportional(16.0);
@@ -60,9 +60,16 @@ pub(super) fn invitation(ui: &Ui, screen: Rect) {
     ui.painter().galley(screen.center() - galley.size() * 0.5, galley, Color32::GRAY);
 }
 
-/// A node.
-pub(super) fn node(ui: &Ui, view: &View, id: NodeId, layout: &Layout, look: &NodeLook, desk: &Desk<'_>) {
-    let node = desk.graph().node(id);
+/// Paints a node.
+pub(super) fn node(
+    ui: &Ui,
+    view: &Viewport,
+    id: NodeId,
+    layout: &Layout,
+    look: &NodeLook,
+    cx: &CanvasContext<'_>,
+) {
+    let node = cx.graph().node(id);
     let zoom = view.zoom();
     let rect = view.rect(layout.rect);
     let round = 5.0 * zoom;
@@ -84,8 +91,8 @@ pub(super) fn node(ui: &Ui, view: &View, id: NodeId, layout: &Layout, look: &Nod
     if zoom >= TEXT {
         texts(ui, painter, view, layout, node, look);
     }
-    state(ui, painter, view, layout, id, desk);
-    pins(painter, view, layout, id, desk);
+    state(ui, painter, view, layout, id, cx);
+    pins(painter, view, layout, id, cx);
     let stroke = match (look.chosen, look.hovered) {
         (true, _) => Stroke::new(2.0, theme::CHOSEN),
         (false, true) => Stroke::new(1.5, ui.visuals().strong_text_color().gamma_multiply(0.6)),
@@ -98,7 +105,7 @@ pub(super) fn node(ui: &Ui, view: &View, id: NodeId, layout: &Layout, look: &Nod
     }
 }
 
-fn texts(ui: &Ui, painter: &Painter, view: &View, layout: &Layout, node: &GraphNode, look: &NodeLook) {
+fn texts(ui: &Ui, painter: &Painter, view: &Viewport, layout: &Layout, node: &GraphNode, look: &NodeLook) {
     let zoom = view.zoom();
     let head = view.rect(layout.head());
     let inner = painter.with_clip_rect(head.shrink2(vec2(6.0 * zoom, 0.0)).intersect(painter.clip_rect()));
@@ -137,25 +144,25 @@ fn texts(ui: &Ui, painter: &Painter, view: &View, layout: &Layout, node: &GraphN
     }
 }
 
-fn pins(painter: &Painter, view: &View, layout: &Layout, id: NodeId, desk: &Desk<'_>) {
+fn pins(painter: &Painter, view: &Viewport, layout: &Layout, id: NodeId, cx: &CanvasContext<'_>) {
     let radius = 4.6 * view.zoom().max(0.25);
     let one = |(port, at): &Pin, filled: bool| {
         painter.add(theme::pin(port.wire, view.pos(*at), radius, filled));
     };
     for pin in &layout.inputs {
-        one(pin, desk.graph().source(id, &pin.0.name).is_some());
+        one(pin, cx.graph().source(id, &pin.0.name).is_some());
     }
     for pin in &layout.outputs {
         one(pin, true);
     }
 }
 
-/// Faults, progress and time.
-fn state(ui: &Ui, painter: &Painter, view: &View, layout: &Layout, id: NodeId, desk: &Desk<'_>) {
+/// Paints the problem, the progress or the time of a node.
+fn state(ui: &Ui, painter: &Painter, view: &Viewport, layout: &Layout, id: NodeId, cx: &CanvasContext<'_>) {
     let zoom = view.zoom();
     let corner = view.pos(layout.rect.right_bottom());
-    let state = desk.board.nodes.get(&id);
-    let fault = fault(id, state, desk);
+    let state = cx.board.nodes.get(&id);
+    let fault = fault(id, state, cx);
     if let Some((message, error)) = &fault {
         badge(ui, painter, view.pos(layout.rect.right_top()), zoom, message, *error);
     }
@@ -164,15 +171,15 @@ fn state(ui: &Ui, painter: &Painter, view: &View, layout: &Layout, id: NodeId, d
             ring(painter, view.pos(layout.picture.center()), 17.0 * zoom, *share);
         }
         Some(NodeState::Waiting) => ring(painter, view.pos(layout.picture.center()), 17.0 * zoom, 0.0),
-        Some(NodeState::Done(seconds)) if zoom >= TEXT && desk.times => {
+        Some(NodeState::Done(seconds)) if zoom >= TEXT && cx.times => {
             let at = corner - vec2(7.0, 5.0) * zoom;
             let font = FontId::proportional(font_size(9.5, zoom));
             painter.text(at, Align2::RIGHT_BOTTOM, time(*seconds), font, ui.visuals().weak_text_color());
         }
         _ => (),
     }
-    let range = desk.board.thumbnails.get(&id).and_then(|seen| seen.range);
-    // Under the fourth port there is no room.
+    let range = cx.board.thumbnails.get(&id).and_then(|seen| seen.range);
+    // From four ports on there is no room for the range.
     let range = range.filter(|_| zoom >= 0.6 && layout.inputs.len() <= 3);
     if let Some((low, high)) = range {
         let at = view.pos(layout.rect.left_bottom()) + vec2(7.0, -5.0) * zoom;
@@ -184,13 +191,13 @@ fn state(ui: &Ui, painter: &Painter, view: &View, layout: &Layout, id: NodeId, d
     }
 }
 
-/// What is wrong with a node, and whether it is an error.
-fn fault(id: NodeId, state: Option<&NodeState>, desk: &Desk<'_>) -> Option<(String, bool)> {
+/// The message of a node's problem, and whether it is an error.
+fn fault(id: NodeId, state: Option<&NodeState>, cx: &CanvasContext<'_>) -> Option<(String, bool)> {
     if let Some(NodeState::Failed(message)) = state {
         return Some((message.clone(), true));
     }
     let own = |p: &&Problem| p.blames() == Some(id);
-    let worst = desk.document.problems().iter().filter(own).max_by_key(|p| p.severity)?;
+    let worst = cx.document.problems().iter().filter(own).max_by_key(|p| p.severity)?;
     Some((worst.to_string(), worst.is_error()))
 }
 
@@ -205,7 +212,7 @@ fn badge(ui: &Ui, painter: &Painter, at: Pos2, zoom: f32, message: &str, error: 
     }
 }
 
-/// A text near the pointer.
+/// Paints a text in a bubble.
 pub(super) fn bubble(ui: &Ui, at: Pos2, text: &str, color: Color32) {
     let layer = eframe::egui::LayerId::new(eframe::egui::Order::Tooltip, ui.id().with("bubble"));
     let painter = Painter::new(ui.ctx().clone(), layer, ui.ctx().content_rect());
@@ -220,7 +227,7 @@ pub(super) fn bubble(ui: &Ui, at: Pos2, text: &str, color: Color32) {
     painter.galley(rect.min + vec2(6.0, 6.0), galley, Color32::WHITE);
 }
 
-/// The share of a node's work that is done.
+/// Paints the share of a node's work that is done.
 fn ring(painter: &Painter, at: Pos2, radius: f32, share: f32) {
     painter.circle(
         at,
@@ -234,7 +241,7 @@ fn ring(painter: &Painter, at: Pos2, radius: f32, share: f32) {
     painter.line((0..=steps).map(point).collect(), Stroke::new(3.0, theme::CHOSEN));
 }
 
-/// A time, short.
+/// A short text for a time in seconds.
 pub(crate) fn time(seconds: f64) -> String {
     match seconds {
         s if s >= 10.0 => format!("{s:.0} s"),
@@ -244,7 +251,7 @@ pub(crate) fn time(seconds: f64) -> String {
     }
 }
 
-/// A number, short.
+/// A short text for a number.
 pub(crate) fn short(value: f32) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),

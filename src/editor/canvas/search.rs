@@ -1,4 +1,4 @@
-//! The search for kinds: opened anywhere, or by a wire that was dropped on empty space.
+//! The search for kinds. It is opened by a key, a double-click, or a wire dropped on the empty ground.
 
 use std::sync::Arc;
 
@@ -11,24 +11,24 @@ use crate::graph::Graph;
 use crate::name::Name;
 use crate::node::Kind;
 
-/// Kinds shown at once, at most.
+/// The most kinds in the list.
 const SHOWN: usize = 200;
 
 /// An open search.
 #[derive(Clone, Debug)]
 pub(crate) struct Search {
-    /// Where on the screen it opened, and where on the canvas the new node shall be.
+    /// The point of the screen where the search opened, and the place on the canvas for the new node.
     pub(crate) screen: Pos2,
     pub(crate) at: Pos2,
-    /// The wire that the new node shall be joined to.
+    /// The fixed end of the wire that the new node is connected to.
     pub(crate) end: Option<End>,
     query: String,
     chosen: usize,
     fresh: bool,
 }
 
-/// What came of a frame of searching.
-pub(crate) enum Found {
+/// The outcome of a frame of the search.
+pub(crate) enum SearchOutcome {
     Nothing,
     Closed,
     Kind(Arc<Kind>),
@@ -39,7 +39,7 @@ impl Search {
         Self { screen, at, end, query: String::new(), chosen: 0, fresh: true }
     }
 
-    /// The kinds that fit the wire and the letters, best first.
+    /// The kinds that fit the wire and the query, best first.
     pub(crate) fn hits(&self, graph: &Graph) -> Vec<Arc<Kind>> {
         let fits = |k: &&Arc<Kind>| self.end.as_ref().is_none_or(|end| end.port_of(graph, k).is_some());
         let query = self.query.trim();
@@ -56,35 +56,35 @@ impl Search {
         found.into_iter().map(|(_, k)| k.clone()).take(SHOWN).collect()
     }
 
-    pub(crate) fn show(&mut self, ui: &Ui, bounds: Rect, graph: &Graph) -> Found {
+    pub(crate) fn show(&mut self, ui: &Ui, bounds: Rect, graph: &Graph) -> SearchOutcome {
         let hits = self.hits(graph);
         self.chosen = self.chosen.min(hits.len().saturating_sub(1));
         let size = vec2(340.0, 330.0);
         let corner = self.screen.min(bounds.max - size - vec2(12.0, 12.0)).max(bounds.min);
-        let mut found = Found::Nothing;
+        let mut outcome = SearchOutcome::Nothing;
         let area = egui::Area::new(egui::Id::new("search for kinds"));
         let area = area.order(egui::Order::Foreground).fixed_pos(corner).show(ui.ctx(), |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_width(size.x);
                 ui.set_height(size.y);
-                found = self.contents(ui, &hits, graph);
+                outcome = self.contents(ui, &hits, graph);
             });
         });
         let elsewhere = ui.input(|i| {
             i.pointer.any_pressed()
                 && i.pointer.interact_pos().is_some_and(|p| !area.response.rect.contains(p))
         });
-        if elsewhere && !self.fresh && matches!(found, Found::Nothing) {
-            found = Found::Closed;
+        if elsewhere && !self.fresh && matches!(outcome, SearchOutcome::Nothing) {
+            outcome = SearchOutcome::Closed;
         }
         self.fresh = false;
-        found
+        outcome
     }
 
-    fn contents(&mut self, ui: &mut Ui, hits: &[Arc<Kind>], graph: &Graph) -> Found {
+    fn contents(&mut self, ui: &mut Ui, hits: &[Arc<Kind>], graph: &Graph) -> SearchOutcome {
         let pressed = |key| ui.input_mut(|i| i.consume_key(egui::Modifiers::NONE, key));
         if pressed(Key::Escape) {
-            return Found::Closed;
+            return SearchOutcome::Closed;
         }
         if pressed(Key::ArrowDown) {
             self.chosen += 1;
@@ -93,7 +93,7 @@ impl Search {
             self.chosen = self.chosen.saturating_sub(1);
         }
         if pressed(Key::Enter) {
-            return hits.get(self.chosen).map_or(Found::Closed, |k| Found::Kind(k.clone()));
+            return hits.get(self.chosen).map_or(SearchOutcome::Closed, |k| SearchOutcome::Kind(k.clone()));
         }
         let hint = match (&self.end, self.end.as_ref().and_then(|end| end.wire(graph))) {
             (Some(End::From(_)), Some(wire)) => format!("What takes {}", wire.name()),
@@ -114,7 +114,7 @@ impl Search {
             ui.weak("No kind fits. Try other words: what it does, or what it is called elsewhere.");
         }
         let scroll = egui::ScrollArea::vertical().auto_shrink([false, false]);
-        scroll.show(ui, |ui| self.list(ui, hits)).inner.map_or(Found::Nothing, Found::Kind)
+        scroll.show(ui, |ui| self.list(ui, hits)).inner.map_or(SearchOutcome::Nothing, SearchOutcome::Kind)
     }
 
     fn list(&mut self, ui: &mut Ui, hits: &[Arc<Kind>]) -> Option<Arc<Kind>> {

@@ -1,9 +1,9 @@
-//! The course of wires, and what lies near them.
+//! The course of wires on the canvas, and the distance from them.
 
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::{Color32, Pos2, Shape, Stroke, Vec2, vec2};
 
-use super::camera::View;
+use super::camera::Viewport;
 use super::layout::{Layout, place};
 use crate::graph::{Graph, NodeId, Source};
 use crate::name::Name;
@@ -16,11 +16,11 @@ pub(crate) struct Course {
     pub(crate) to: NodeId,
     pub(crate) input: Name,
     pub(crate) wire: WireType,
-    /// From the source through the bends to the input.
+    /// The points from the source through the bends to the input.
     pub(crate) points: Vec<Pos2>,
 }
 
-/// The wires into a node.
+/// The courses of the wires into a node.
 pub(crate) fn courses<'a>(
     graph: &Graph,
     id: NodeId,
@@ -52,7 +52,7 @@ fn tangents(points: &[Pos2]) -> Vec<Vec2> {
         .collect()
 }
 
-/// The Bézier pieces of a wire, as control points.
+/// The control points of the Bézier pieces of a wire.
 pub(crate) fn pieces(points: &[Pos2]) -> Vec<[Pos2; 4]> {
     if points.len() < 2 {
         return Vec::new();
@@ -62,8 +62,8 @@ pub(crate) fn pieces(points: &[Pos2]) -> Vec<[Pos2; 4]> {
     (0..points.len() - 1).map(piece).collect()
 }
 
-/// Draws a wire.
-pub(crate) fn shapes(points: &[Pos2], view: &View, stroke: Stroke) -> impl Iterator<Item = Shape> {
+/// The shapes of a wire on the screen.
+pub(crate) fn shapes(points: &[Pos2], view: &Viewport, stroke: Stroke) -> impl Iterator<Item = Shape> {
     let view = *view;
     pieces(points).into_iter().map(move |piece| {
         let points = piece.map(|p| view.pos(p));
@@ -71,10 +71,10 @@ pub(crate) fn shapes(points: &[Pos2], view: &View, stroke: Stroke) -> impl Itera
     })
 }
 
-/// Steps of a piece that nearness is looked at.
+/// Number of straight steps into which a piece is divided to measure distances.
 const STEPS: usize = 24;
 
-/// How near a wire comes to a place, and in which of its pieces.
+/// The distance of a wire from a place, and the index of the nearest piece.
 pub(crate) fn nearest(points: &[Pos2], to: Pos2) -> Option<(f32, usize)> {
     let near = |(k, [a, b, c, d]): (usize, [Pos2; 4])| {
         let at = |t: f32| {

@@ -1,20 +1,24 @@
-//! Wires under the pointer: highlighting, bends, menus.
+//! Input on wires: highlighting, bends, menus.
 
 use eframe::egui::{self, Color32, Id, PointerButton, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
 
-use super::camera::View;
+use super::camera::Viewport;
 use super::gesture::Gesture;
 use super::layout::place;
 use super::wire::{Course, nearest, shapes};
-use super::{Canvas, Desk};
+use super::{Canvas, CanvasContext};
 use crate::editor::shown;
 use crate::editor::theme;
 
-/// How near the pointer must come to a wire, in points of the screen.
+/// Distance within which the pointer is on a wire, in points of the screen.
 const NEAR: f32 = 7.0;
 
-/// The wire under a place on the canvas, and in which of its pieces.
-pub(super) fn under<'a>(courses: &'a [Course], view: &View, at: egui::Pos2) -> Option<(&'a Course, usize)> {
+/// The wire at a place on the canvas, and the index of its piece there.
+pub(super) fn under<'a>(
+    courses: &'a [Course],
+    view: &Viewport,
+    at: egui::Pos2,
+) -> Option<(&'a Course, usize)> {
     let near = |c: &'a Course| {
         let (away, piece) = nearest(&c.points, at)?;
         (away * view.zoom() < NEAR).then_some((away, c, piece))
@@ -27,10 +31,10 @@ impl Canvas {
     pub(super) fn wires(
         &mut self,
         ui: &mut Ui,
-        view: &View,
+        view: &Viewport,
         courses: &[Course],
         ground: &Response,
-        desk: &mut Desk<'_>,
+        cx: &mut CanvasContext<'_>,
     ) {
         let free = matches!(self.gesture, Gesture::None) && self.search.is_none();
         let hovered = if free && ground.hovered() { under(courses, view, self.pointer) } else { None };
@@ -52,22 +56,22 @@ impl Canvas {
             painter.extend(shapes(&points, view, Stroke::new(width, color)));
         }
         if let Some((course, piece)) = hovered {
-            self.hover(ui, course, piece, ground, desk);
+            self.hover(ui, course, piece, ground, cx);
         }
         if view.zoom() > 0.3 {
             for course in courses {
-                self.bends(ui, view, course, desk);
+                self.bends(ui, view, course, cx);
             }
         }
     }
 
-    /// Whether a hand has taken the end of a wire away from its input.
+    /// Whether the end of a wire is being dragged away from its input.
     fn is_taken(&self, course: &Course) -> bool {
         matches!(&self.gesture, Gesture::Wire { taken: Some((node, input)), .. }
             if (*node, input) == (course.to, &course.input))
     }
 
-    /// The points of a wire, with the bend that is being moved under the pointer.
+    /// The points of a wire, with a bend that is being moved at the pointer.
     fn bent(&self, course: &Course) -> Vec<egui::Pos2> {
         let mut points = course.points.clone();
         if let Gesture::Bend { node, ref input, index } = self.gesture
@@ -79,19 +83,19 @@ impl Canvas {
         points
     }
 
-    fn hover(&self, ui: &Ui, course: &Course, piece: usize, ground: &Response, desk: &mut Desk<'_>) {
+    fn hover(&self, ui: &Ui, course: &Course, piece: usize, ground: &Response, cx: &mut CanvasContext<'_>) {
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
-        let (from, to) = (desk.graph().source_text(&course.source), course.to);
-        let name = desk.graph().node(to).name.clone();
+        let (from, to) = (cx.graph().source_text(&course.source), course.to);
+        let name = cx.graph().node(to).name.clone();
         if ui.input(|i| i.modifiers.alt) && ground.clicked() {
-            desk.edit("Cut wire", |g| g.disconnect(to, &course.input));
+            cx.edit("Cut wire", |g| g.disconnect(to, &course.input));
             return;
         }
         if ground.double_clicked() {
             let at = self.snapped(self.pointer);
-            let mut bends = desk.graph().bends(to, &course.input).to_vec();
+            let mut bends = cx.graph().bends(to, &course.input).to_vec();
             bends.insert(piece.min(bends.len()), [f64::from(at.x), f64::from(at.y)]);
-            desk.edit("Bend wire", |g| g.set_bends(to, &course.input, bends));
+            cx.edit("Bend wire", |g| g.set_bends(to, &course.input, bends));
             return;
         }
         ground.clone().on_hover_ui_at_pointer(|ui| {
@@ -100,8 +104,8 @@ impl Canvas {
         });
     }
 
-    fn bends(&mut self, ui: &Ui, view: &View, course: &Course, desk: &mut Desk<'_>) {
-        let bends = desk.graph().bends(course.to, &course.input).to_vec();
+    fn bends(&mut self, ui: &Ui, view: &Viewport, course: &Course, cx: &mut CanvasContext<'_>) {
+        let bends = cx.graph().bends(course.to, &course.input).to_vec();
         for (index, at) in bends.iter().enumerate() {
             let moving = matches!(self.gesture, Gesture::Bend { node, ref input, index: i }
                 if (node, input, i) == (course.to, &course.input, index));
@@ -109,7 +113,7 @@ impl Canvas {
             let rect = Rect::from_center_size(at, vec2(14.0, 14.0));
             let id = Id::new(("bend", course.to, &course.input, index));
             let response = ui.interact(rect, id, Sense::click_and_drag());
-            let name = format!("bend {index} of {}.{}", desk.graph().node(course.to).name, course.input);
+            let name = format!("bend {index} of {}.{}", cx.graph().node(course.to).name, course.input);
             response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &name));
             let radius = if response.hovered() || moving { 5.5 } else { 4.0 };
             ui.painter().circle(
@@ -124,13 +128,13 @@ impl Canvas {
             if response.double_clicked() {
                 let mut bends = bends.clone();
                 bends.remove(index);
-                desk.edit("Straighten wire", |g| g.set_bends(course.to, &course.input, bends));
+                cx.edit("Straighten wire", |g| g.set_bends(course.to, &course.input, bends));
             }
         }
     }
 
-    /// Draws a wire that a hand pulls, from a port to the pointer.
-    pub(super) fn pulled(&self, ui: &Ui, view: &View, from: egui::Pos2, forward: bool, color: Color32) {
+    /// Draws the wire that is being dragged, from a port to the pointer.
+    pub(super) fn pulled(&self, ui: &Ui, view: &Viewport, from: egui::Pos2, forward: bool, color: Color32) {
         let at = self.pointer;
         let points = if forward { [from, at] } else { [at, from] };
         let points = points.map(|p| pos2(p.x, p.y));

@@ -4,14 +4,14 @@ use eframe::egui::{Color32, Key, PointerButton, Pos2, Response, Stroke as Line, 
 
 use super::grip::rounded;
 use super::sheet::Sheet;
-use super::{Drawing, Pad, Space, Tool, Trace, pressed};
+use super::{Drawing, DrawingContext, Space, Tool, Trace, pressed};
 use crate::graph::{Graph, Source};
 use crate::kit::math::decade;
 use crate::kit::paint::{Stroke, thinned};
 use crate::units::{Metres, Ratio};
 use crate::value::curves::bezier::{norm, sub};
 
-/// How far a stroke's line may be off the hand's way, as a share of the radius.
+/// The deviation that thinning a stroke may cause, as a share of the radius.
 const LOOSE: f64 = 0.04;
 /// Corners of the ring that shows the brush.
 const RING: u32 = 48;
@@ -22,14 +22,14 @@ impl Drawing {
         ui: &Ui,
         space: &dyn Space,
         ground: &Response,
-        pad: &mut Pad<'_>,
+        cx: &mut DrawingContext<'_>,
         step: f64,
     ) {
         if self.tool != Tool::Brush {
             return;
         }
         if pressed(ui, &[Key::Escape]) {
-            self.rest();
+            self.end_tool();
             return;
         }
         self.resize(ui);
@@ -45,7 +45,7 @@ impl Drawing {
             let sheet = self.sheet().cloned();
             self.trace = from.zip(sheet).map(|(p, sheet)| Trace { sheet, points: vec![p], written: 0 });
         }
-        self.trail_hand(ui, here, pad, step);
+        self.trail_hand(ui, here, cx, step);
         if !ui.input(|i| i.pointer.primary_down()) {
             self.trace = None;
         }
@@ -55,8 +55,8 @@ impl Drawing {
         (self.brush.value.0 < 0.5) != ui.input(|i| i.modifiers.alt)
     }
 
-    /// Adds where the hand is to the stroke and writes the stroke.
-    fn trail_hand(&mut self, ui: &Ui, here: Option<[f64; 2]>, pad: &mut Pad<'_>, step: f64) {
+    /// Adds the place under the pointer to the stroke and writes the stroke to the document.
+    fn trail_hand(&mut self, ui: &Ui, here: Option<[f64; 2]>, cx: &mut DrawingContext<'_>, step: f64) {
         let erases = self.erases(ui);
         let Some(trace) = &mut self.trace else { return };
         let radius = self.brush.radius.0;
@@ -77,12 +77,12 @@ impl Drawing {
         let Sheet::Strokes(mut strokes) = trace.sheet.clone() else { return };
         strokes.push(stroke);
         let label = if erases { "Erase" } else { "Paint" };
-        // The gesture has the number of the stroke, so that each is undone by itself.
+        // The name of the gesture has the number of the stroke, so that each stroke is undone by itself.
         let gesture = format!("stroke {}", strokes.len());
-        self.write(pad, label, Some(&gesture), &Sheet::Strokes(strokes));
+        self.write(cx, label, Some(&gesture), &Sheet::Strokes(strokes));
     }
 
-    /// `[` and `]` make the brush smaller and larger.
+    /// Makes the brush smaller with `[` and larger with `]`.
     fn resize(&mut self, ui: &Ui) {
         let factor = match (pressed(ui, &[Key::OpenBracket]), pressed(ui, &[Key::CloseBracket])) {
             (true, _) => 0.8,
@@ -90,27 +90,27 @@ impl Drawing {
             _ => return,
         };
         let radius = (self.brush.radius.0 * factor).clamp(0.01, 1e6);
-        // Two digits are enough for a brush.
+        // The radius is rounded to two digits.
         let unit = 0.1 * decade(radius);
         self.brush.radius = Metres((radius / unit).round() * unit);
     }
 
     /// The mask that is being painted.
     pub(crate) fn painted(&self, graph: &Graph) -> Option<Source> {
-        let node = self.known.as_ref()?.node;
+        let node = self.parsed.as_ref()?.node;
         let is_mask = self.tool == Tool::Brush && matches!(self.sheet()?, Sheet::Strokes(_));
         let port = graph.get(node)?.kind()?.outputs.first()?;
         is_mask.then(|| Source { node, port: port.name.clone() })
     }
 
-    /// Takes all strokes away.
-    pub(crate) fn clear(&mut self, pad: &mut Pad<'_>) {
-        self.look(pad);
-        self.write(pad, "Clear painting", None, &Sheet::Strokes(Vec::new()));
+    /// Removes all strokes.
+    pub(crate) fn clear(&mut self, cx: &mut DrawingContext<'_>) {
+        self.read(cx);
+        self.write(cx, "Clear painting", None, &Sheet::Strokes(Vec::new()));
     }
 }
 
-/// The brush around a place.
+/// Paints the circle of the brush around a place.
 fn ring(ui: &Ui, space: &dyn Space, at: [f64; 2], radius: f64, erases: bool) {
     let corner = |k: u32| {
         let a = f64::from(k) / f64::from(RING) * std::f64::consts::TAU;

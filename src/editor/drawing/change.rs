@@ -1,38 +1,38 @@
-//! Changes of the chosen curve: points added and removed, values set.
+//! Changes of the chosen curve: adding and removing points, setting values.
 
 use super::grip::{Part, rounded};
 use super::sheet::Sheet;
-use super::{Drawing, Pad};
+use super::{Drawing, DrawingContext};
 use crate::value::CurveSpec;
 use crate::value::curves::Fault;
 
 impl Drawing {
-    /// Changes the chosen curve as a gesture of a name.
+    /// Changes the chosen curve as part of the gesture with this name.
     pub(crate) fn change(
         &mut self,
-        pad: &mut Pad<'_>,
+        cx: &mut DrawingContext<'_>,
         label: &str,
         gesture: &str,
         change: impl FnOnce(&mut CurveSpec) -> Result<(), Fault>,
     ) {
         let Some(number) = self.curve else { return };
         let gesture = format!("{gesture} of curve {number}");
-        self.changed(pad, label, Some(&gesture), change);
+        self.changed(cx, label, Some(&gesture), change);
     }
 
-    /// Changes the chosen curve at once; true when it was changed.
+    /// Changes the chosen curve in one step; returns whether the change was accepted.
     pub(super) fn on_chosen(
         &mut self,
-        pad: &mut Pad<'_>,
+        cx: &mut DrawingContext<'_>,
         label: &str,
         change: impl FnOnce(&mut CurveSpec) -> Result<(), Fault>,
     ) -> bool {
-        self.changed(pad, label, None, change)
+        self.changed(cx, label, None, change)
     }
 
     fn changed(
         &mut self,
-        pad: &mut Pad<'_>,
+        cx: &mut DrawingContext<'_>,
         label: &str,
         gesture: Option<&str>,
         change: impl FnOnce(&mut CurveSpec) -> Result<(), Fault>,
@@ -41,23 +41,23 @@ impl Drawing {
         let Sheet::Curves(specs) = &mut sheet else { return false };
         let Some(spec) = self.curve.and_then(|i| specs.get_mut(i)) else { return false };
         match change(spec).and_then(|()| spec.build().map(drop)) {
-            Ok(()) => self.write(pad, label, gesture, &sheet),
+            Ok(()) => self.write(cx, label, gesture, &sheet),
             Err(fault) => {
-                pad.notices.fail(format!("The curve {fault}"));
+                cx.notices.fail(format!("The curve {fault}"));
                 false
             }
         }
     }
 
-    pub(super) fn add_anchor(&mut self, pad: &mut Pad<'_>, u: f64) {
+    pub(super) fn add_anchor(&mut self, cx: &mut DrawingContext<'_>, u: f64) {
         let mut at = None;
         let done = match self.sheet() {
             Some(Sheet::Trail(points)) => {
                 let mut points = points.clone();
                 at = self.add_to_trail(&mut points, u);
-                at.is_some() && self.write(pad, "Add control point", None, &Sheet::Trail(points))
+                at.is_some() && self.write(cx, "Add control point", None, &Sheet::Trail(points))
             }
-            _ => self.on_chosen(pad, "Add control point", |spec| {
+            _ => self.on_chosen(cx, "Add control point", |spec| {
                 at = Some(spec.insert_anchor(u)?);
                 Ok(())
             }),
@@ -67,7 +67,7 @@ impl Drawing {
         }
     }
 
-    /// Puts a point at a share of the length, at the height of the curve there, and gives its number.
+    /// Adds a point at a share of the length and at the height of the curve there; returns its index.
     fn add_to_trail(&self, points: &mut Vec<Vec<f64>>, u: f64) -> Option<usize> {
         let places = points.iter().map(|p| Some([*p.first()?, *p.get(1)?])).collect::<Option<Vec<_>>>()?;
         let through = places.into_iter().flatten().collect();
@@ -79,9 +79,9 @@ impl Drawing {
         Some(at)
     }
 
-    pub(crate) fn add_point(&mut self, pad: &mut Pad<'_>, u: f64) {
+    pub(crate) fn add_point(&mut self, cx: &mut DrawingContext<'_>, u: f64) {
         let mut at = None;
-        let done = self.on_chosen(pad, "Add constraint point", |spec| {
+        let done = self.on_chosen(cx, "Add constraint point", |spec| {
             at = Some(spec.insert_point(u)?);
             Ok(())
         });
@@ -90,8 +90,8 @@ impl Drawing {
         }
     }
 
-    /// Removes the chosen part, or the whole curve where none is chosen; false where nothing is chosen.
-    pub(super) fn remove_chosen(&mut self, pad: &mut Pad<'_>) -> bool {
+    /// Removes the chosen part, or the chosen curve where no part is chosen; returns false where nothing is chosen.
+    pub(super) fn remove_chosen(&mut self, cx: &mut DrawingContext<'_>) -> bool {
         let part = match (self.curve, self.anchor, self.point) {
             (None, _, _) => return false,
             (Some(_), Some(i), _) => Part::Anchor(i),
@@ -99,20 +99,20 @@ impl Drawing {
             (Some(_), None, None) if matches!(self.sheet(), Some(Sheet::Trail(_))) => return false,
             (Some(_), None, None) => Part::Body,
         };
-        self.remove_part(pad, part);
+        self.remove_part(cx, part);
         true
     }
 
-    pub(super) fn remove_part(&mut self, pad: &mut Pad<'_>, part: Part) {
+    pub(super) fn remove_part(&mut self, cx: &mut DrawingContext<'_>, part: Part) {
         let Some(sheet) = self.sheet().cloned() else { return };
         match (sheet, part) {
-            (Sheet::Trail(points), Part::Anchor(i) | Part::Height(i)) => self.shorten(pad, points, i),
-            (Sheet::Curves(_), Part::Anchor(i)) => self.remove_anchor(pad, i),
-            (Sheet::Curves(_), Part::Point(k)) => self.remove_point(pad, k),
+            (Sheet::Trail(points), Part::Anchor(i) | Part::Height(i)) => self.shorten(cx, points, i),
+            (Sheet::Curves(_), Part::Anchor(i)) => self.remove_anchor(cx, i),
+            (Sheet::Curves(_), Part::Point(k)) => self.remove_point(cx, k),
             (Sheet::Curves(mut specs), Part::Body) => {
                 let Some(number) = self.curve.filter(|i| *i < specs.len()) else { return };
                 specs.remove(number);
-                if self.write(pad, "Delete curve", None, &Sheet::Curves(specs)) {
+                if self.write(cx, "Delete curve", None, &Sheet::Curves(specs)) {
                     (self.curve, self.point, self.anchor) = (None, None, None);
                 }
             }
@@ -120,32 +120,32 @@ impl Drawing {
         }
     }
 
-    fn remove_anchor(&mut self, pad: &mut Pad<'_>, i: usize) {
-        if self.on_chosen(pad, "Remove control point", |spec| spec.remove_anchor(i)) {
+    fn remove_anchor(&mut self, cx: &mut DrawingContext<'_>, i: usize) {
+        if self.on_chosen(cx, "Remove control point", |spec| spec.remove_anchor(i)) {
             self.anchor = None;
         }
     }
 
-    fn shorten(&mut self, pad: &mut Pad<'_>, mut points: Vec<Vec<f64>>, i: usize) {
+    fn shorten(&mut self, cx: &mut DrawingContext<'_>, mut points: Vec<Vec<f64>>, i: usize) {
         if points.len() <= 2 || i >= points.len() {
-            pad.notices.fail("A curve keeps two control points");
+            cx.notices.fail("A curve keeps two control points");
             return;
         }
         points.remove(i);
-        if self.write(pad, "Remove control point", None, &Sheet::Trail(points)) {
+        if self.write(cx, "Remove control point", None, &Sheet::Trail(points)) {
             self.anchor = None;
         }
     }
 
     /// Removes a constraint point of the chosen curve.
-    pub(crate) fn remove_point(&mut self, pad: &mut Pad<'_>, k: usize) {
+    pub(crate) fn remove_point(&mut self, cx: &mut DrawingContext<'_>, k: usize) {
         let Some(mut points) = self.chosen_curve().map(crate::value::Curve::points) else { return };
         if points.len() < 2 || k >= points.len() {
-            pad.notices.fail("A curve keeps one constraint point: without any it says nothing");
+            cx.notices.fail("A curve keeps one constraint point: without any it says nothing");
             return;
         }
         points.remove(k);
-        let done = self.on_chosen(pad, "Remove constraint point", |spec| {
+        let done = self.on_chosen(cx, "Remove constraint point", |spec| {
             spec.set_points(&points);
             Ok(())
         });
@@ -155,7 +155,7 @@ impl Drawing {
     }
 
     /// Deletes the chosen curve.
-    pub(crate) fn remove_curve(&mut self, pad: &mut Pad<'_>) {
-        self.remove_part(pad, Part::Body);
+    pub(crate) fn remove_curve(&mut self, cx: &mut DrawingContext<'_>) {
+        self.remove_part(cx, Part::Body);
     }
 }

@@ -1,15 +1,15 @@
-//! Curves under a hand: chosen, moved, changed by their grips.
+//! Input on curves: choosing, moving, changing them by their grips.
 
 use eframe::egui::{self, Id, PointerButton, Pos2, Response, Ui};
 
-use super::grip::{Held, Part, Pull};
+use super::grip::{EditedCurve, Part, Pull};
 use super::menu::Spot;
 use super::sheet::Sheet;
-use super::{Drawing, Grab, Pad, Space, Tool, hold, paint};
+use super::{Drawing, DrawingContext, Grab, Space, Tool, grip_area, paint};
 use crate::kit::math::decade;
 use crate::value::Curve;
 
-/// Pixels within which a curve is hit.
+/// Distance within which the pointer is on a curve, in pixels.
 const NEAR: f32 = 8.0;
 /// Size of a grip, in pixels.
 const GRIP: f32 = 15.0;
@@ -20,66 +20,67 @@ impl Drawing {
         ui: &Ui,
         space: &dyn Space,
         ground: &Response,
-        pad: &mut Pad<'_>,
+        cx: &mut DrawingContext<'_>,
         step: f64,
     ) {
-        let Some(known) = &self.known else { return };
+        let Some(parsed) = &self.parsed else { return };
         let down = ui.input(|i| i.pointer.any_down());
-        // What is in the hand goes with the button, and with a document that others have changed.
-        if !down || self.wrote.is_some_and(|state| state != pad.document.state()) {
+        // A drag ends when the button is released, and when something else has changed the document.
+        if !down || self.written_state.is_some_and(|state| state != cx.document.state()) {
             self.grab = None;
         }
-        let lines: Vec<_> = known.curves.iter().map(|c| c.as_ref().map(|c| paint::line(c, space))).collect();
+        let lines: Vec<_> = parsed.curves.iter().map(|c| c.as_ref().map(|c| paint::line(c, space))).collect();
         let pointer = ui.input(|i| i.pointer.hover_pos()).filter(|_| ground.contains_pointer());
         let hit = pointer.and_then(|p| nearest(&lines, p));
-        // A hand that passes over the curve while it turns the view goes on turning it.
+        // The hover state is kept while a button is down, so that turning the view goes on when the pointer crosses the
+        // curve.
         if !down {
-            self.over = hit.is_some() && hit == self.curve && self.tool == Tool::Select;
+            self.is_hovered = hit.is_some() && hit == self.curve && self.tool == Tool::Select;
         }
         paint::lines(ui, &lines, self.curve, hit.filter(|_| self.tool == Tool::Select));
         if let Some(spot) = ground.secondary_clicked().then_some(pointer).flatten() {
-            self.menu = Spot::of(&known.sheet, &known.curves, hit.or(self.curve), spot, space);
+            self.menu = Spot::of(&parsed.sheet, &parsed.curves, hit.or(self.curve), spot, space);
         }
-        self.grips(ui, space, pad);
+        self.grips(ui, space, cx);
         match self.tool {
-            Tool::Draw => self.draw(ui, space, ground, pad, step),
-            _ => self.on_ground(ui, space, ground, pad, hit),
+            Tool::Draw => self.draw(ui, space, ground, cx, step),
+            _ => self.on_ground(ui, space, ground, cx, hit),
         }
         if self.grab.is_some() && down {
-            self.follow(ui, space, pad, step);
+            self.follow(ui, space, cx, step);
         }
-        self.curve_menu(ground, pad);
+        self.curve_menu(ground, cx);
     }
 
-    /// Choosing a curve, taking it whole, new points by double-clicks.
+    /// Handles input on the ground and on curves: choosing one, dragging it whole, adding points by double-clicks.
     fn on_ground(
         &mut self,
         ui: &Ui,
         space: &dyn Space,
         ground: &Response,
-        pad: &mut Pad<'_>,
+        cx: &mut DrawingContext<'_>,
         hit: Option<usize>,
     ) {
         if ground.double_clicked() && hit.is_some() && hit == self.curve {
             if let (Some(at), Some(curve)) = (ground.interact_pointer_pos(), self.chosen_curve()) {
                 let (u, shift) = (under(curve, at, space), ui.input(|i| i.modifiers.shift));
-                if shift { self.add_point(pad, u) } else { self.add_anchor(pad, u) }
+                if shift { self.add_point(cx, u) } else { self.add_anchor(cx, u) }
             }
         } else if ground.clicked() {
             self.choose(hit);
         }
-        if ground.drag_started_by(PointerButton::Primary) && self.over && self.grab.is_none() {
+        if ground.drag_started_by(PointerButton::Primary) && self.is_hovered && self.grab.is_none() {
             let press = ui.input(|i| i.pointer.press_origin());
             if let (Some(from), Some(curve)) = (press, self.chosen_curve()) {
                 let u = under(curve, from, space);
                 let at = curve.point(u);
                 let z = curve.height(u).unwrap_or_else(|| space.height(at));
-                self.take(pad, Part::Body, [at[0], at[1], z], from);
+                self.take(cx, Part::Body, [at[0], at[1], z], from);
             }
         }
     }
 
-    /// Chooses a curve; of another curve no part is chosen yet.
+    /// Chooses a curve; where this is another one than before, none of its parts is chosen.
     pub(crate) fn choose(&mut self, curve: Option<usize>) {
         let stays = matches!(self.sheet(), Some(Sheet::Trail(_)));
         if curve != self.curve && !stays {
@@ -87,22 +88,22 @@ impl Drawing {
         }
     }
 
-    /// The chosen curve; none where it has a fault.
+    /// The chosen curve; `None` where it has a fault.
     pub(crate) fn chosen_curve(&self) -> Option<&Curve> {
-        self.known.as_ref()?.curves.get(self.curve?)?.as_ref()
+        self.parsed.as_ref()?.curves.get(self.curve?)?.as_ref()
     }
 
-    fn grips(&mut self, ui: &Ui, space: &dyn Space, pad: &mut Pad<'_>) {
-        let (Some(known), Some(number)) = (&self.known, self.curve) else { return };
+    fn grips(&mut self, ui: &Ui, space: &dyn Space, cx: &mut DrawingContext<'_>) {
+        let (Some(parsed), Some(number)) = (&self.parsed, self.curve) else { return };
         let Some(curve) = self.chosen_curve().filter(|_| self.tool != Tool::Draw) else { return };
-        let held = Held { sheet: &known.sheet, number, curve, point: self.point };
-        let (grips, node) = (held.grips(space), known.node);
+        let edited = EditedCurve { sheet: &parsed.sheet, number, curve, point: self.point };
+        let (grips, node) = (edited.grips(space), parsed.node);
         let (mut taken, mut told) = (None, None);
         for grip in &grips {
             let Some(at) = space.screen(grip.at) else { continue };
             let pulled = self.grab.as_ref().filter(|g| g.part == grip.part && space.is_flat());
             let by = match (grip.part, pulled.zip(ui.input(|i| i.pointer.latest_pos()))) {
-                // From above a height has no place of its own: its grip goes with the hand.
+                // Seen from above, a height does not move its point, so that its grip follows the pointer.
                 (Part::Height(_), Some((grab, pointer))) => pointer.y - grab.from.y,
                 _ => 0.0,
             };
@@ -111,7 +112,7 @@ impl Drawing {
                 continue;
             }
             let id = Id::new(("grip", node, number, grip.part));
-            let response = hold(ui, at, GRIP, id, &grip.name);
+            let response = grip_area(ui, at, GRIP, id, &grip.name);
             let hot = response.hovered() || response.dragged();
             paint::grip(ui, space, grip, at, hot, self.is_chosen(grip.part));
             if hot {
@@ -121,12 +122,12 @@ impl Drawing {
             if response.clicked() || response.secondary_clicked() || pulled {
                 taken = Some((grip.part, grip.at, pulled));
             }
-            response.context_menu(|ui| self.grip_menu(ui, pad, grip.part));
+            response.context_menu(|ui| self.grip_menu(ui, cx, grip.part));
         }
         if let Some((part, at, pulled)) = taken {
             self.pick(part);
             if let Some(from) = ui.input(|i| i.pointer.press_origin()).filter(|_| pulled) {
-                self.take(pad, part, at, from);
+                self.take(cx, part, at, from);
             }
         }
         if let Some((at, text)) = told {
@@ -151,17 +152,17 @@ impl Drawing {
         }
     }
 
-    /// Takes a part into the hand.
-    fn take(&mut self, pad: &Pad<'_>, part: Part, at: [f64; 3], from: Pos2) {
+    /// Starts to drag a part.
+    fn take(&mut self, cx: &DrawingContext<'_>, part: Part, at: [f64; 3], from: Pos2) {
         let (Some(curve), Some(sheet)) = (self.chosen_curve().cloned(), self.sheet().cloned()) else {
             return;
         };
         self.grab = Some(Grab { part, sheet, curve, at, from });
-        self.wrote = Some(pad.document.state());
+        self.written_state = Some(cx.document.state());
     }
 
-    /// Moves the part in the hand to where the pointer is.
-    fn follow(&mut self, ui: &Ui, space: &dyn Space, pad: &mut Pad<'_>, step: f64) {
+    /// Moves the dragged part to the pointer.
+    fn follow(&mut self, ui: &Ui, space: &dyn Space, cx: &mut DrawingContext<'_>, step: f64) {
         let (Some(grab), Some(number)) = (&self.grab, self.curve) else { return };
         let Some(pointer) = ui.input(|i| i.pointer.latest_pos()).filter(|p| *p != grab.from) else { return };
         let z = grab.at[2];
@@ -170,19 +171,19 @@ impl Drawing {
         let to = if grab.part == Part::Body { by } else { [grab.at[0] + by[0], grab.at[1] + by[1]] };
         let pixel = space.rise(grab.at);
         let rise = f64::from(grab.from.y - pointer.y) * pixel;
-        // No finer than a hand can tell.
+        // Heights are rounded no finer than a pixel.
         let step = if matches!(grab.part, Part::Height(_)) { step.max(decade(pixel)) } else { step };
         let from = [grab.at[0], grab.at[1]];
         let pull = Pull { from, to, rise, paired: !ui.input(|i| i.modifiers.alt), step };
-        let held = Held { sheet: &grab.sheet, number, curve: &grab.curve, point: self.point };
-        let sheet = held.pulled(grab.part, &pull);
+        let edited = EditedCurve { sheet: &grab.sheet, number, curve: &grab.curve, point: self.point };
+        let sheet = edited.pulled(grab.part, &pull);
         let label = format!("Move {}", kind(grab.part));
-        self.write(pad, &label, Some(&format!("{:?} {number}", grab.part)), &sheet);
-        self.wrote = Some(pad.document.state());
+        self.write(cx, &label, Some(&format!("{:?} {number}", grab.part)), &sheet);
+        self.written_state = Some(cx.document.state());
     }
 }
 
-/// The share of a curve's length that is under the pointer.
+/// The share of a curve's length that is nearest to a point of the screen.
 pub(super) fn under(curve: &Curve, pos: Pos2, space: &dyn Space) -> f64 {
     let far = |u: f64| {
         let at = curve.point(u);
@@ -196,7 +197,7 @@ pub(super) fn under(curve: &Curve, pos: Pos2, space: &dyn Space) -> f64 {
     nearest(&mut around.into_iter())
 }
 
-/// The line that is nearest to the pointer, if one is near.
+/// The index of the line at a point of the screen, if there is one.
 fn nearest(lines: &[Option<paint::Line>], pos: Pos2) -> Option<usize> {
     let far = |line: &paint::Line| {
         let seen = line.windows(2).filter(|w| w[0].seen && w[1].seen);

@@ -1,59 +1,59 @@
-//! What of a curve can be held: control points and handles, constraint points, and at the chosen constraint point its
-//! height, plateau, extents and angles.
+//! Grips, the parts of a curve that can be dragged: control points and handles, constraint points, and the height,
+//! plateau, extents and angles of the chosen constraint point.
 
 use eframe::egui::Pos2;
 
 use super::Space;
 use super::sheet::Sheet;
-use crate::nodes::curves::short::Side;
+use crate::nodes::curves::short::CurveSide;
 use crate::value::curves::bezier::shares;
 use crate::value::curves::bezier::{Point, add, dot, left_of, sub, times};
 use crate::value::curves::edit::share;
 use crate::value::curves::{ConstraintPoint, MAX_ANGLE, MAX_EXTENT, MAX_HEIGHT};
 use crate::value::{Curve, CurveSpec};
 
-/// Pixels that the grip of a height stands over its point.
+/// Pixels by which the grip of a height stands above its point.
 const STEM: f32 = 34.0;
-/// Pixels that a constraint point stands over a control point at the same place.
+/// Pixels by which a constraint point stands above a control point at the same place.
 const LIFT: f32 = 15.0;
-/// Pixels that grips beside a point keep from it and from each other, however narrow what they stand for is.
+/// The least distance of grips beside a point from it and from each other, in pixels.
 const APART: f64 = 12.0;
-/// Where on a slope its angle is held, as a share of its extent, and how far the ground has risen there, as a share of
-/// extent times tangent: steepness fades linearly over the extent.
+/// The place of the grip of an angle on its slope, as a share of the extent, and the rise of the ground there, as a
+/// share of extent times tangent. Steepness fades linearly over the extent, so that the rise is `s − s²/2`.
 const ON_SLOPE: [f64; 2] = [0.5, 0.375];
 
-/// A part of a curve that can be held, by its number.
+/// A part of a curve that can be dragged, with its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Part {
     Anchor(usize),
-    /// A handle, by its number among the knots.
+    /// A handle, with its index among the knots.
     Handle(usize),
     Point(usize),
     Height(usize),
     Plateau(usize),
-    Extent(usize, Side),
-    Angle(usize, Side),
+    Extent(usize, CurveSide),
+    Angle(usize, CurveSide),
     /// The whole curve.
     Body,
 }
 
-/// Where a part is held.
+/// A part with its place and its label.
 #[derive(Clone, Debug)]
 pub(crate) struct Grip {
     pub(crate) part: Part,
     pub(crate) at: [f64; 3],
-    /// Pixels over that place.
+    /// Pixels by which the grip stands above its place.
     pub(crate) lift: f32,
-    /// Another place that it is joined to by a line.
+    /// A place that a line joins to the grip.
     pub(crate) joined: Option<[f64; 3]>,
-    /// What it is called.
+    /// The name, for the label and for assistive technology.
     pub(crate) name: String,
-    /// Its value, where it has one.
+    /// The text of the value, empty where there is none.
     pub(crate) value: String,
 }
 
-/// A curve and which of its parts are chosen.
-pub(crate) struct Held<'a> {
+/// A curve of a drawing, and which of its points is chosen.
+pub(crate) struct EditedCurve<'a> {
     pub(crate) sheet: &'a Sheet,
     pub(crate) number: usize,
     pub(crate) curve: &'a Curve,
@@ -61,28 +61,28 @@ pub(crate) struct Held<'a> {
     pub(crate) point: Option<usize>,
 }
 
-/// How far a part was pulled.
+/// The movement of a part in a drag.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pull {
-    /// Where the part was.
+    /// The place of the part before the drag.
     pub(crate) from: Point,
-    /// The place under the hand, on the level of the part.
+    /// The place under the pointer, at the height of the part.
     pub(crate) to: Point,
-    /// Metres upwards.
+    /// Movement upwards, in metres.
     pub(crate) rise: f64,
-    /// Whether the handle on the other side turns with it.
+    /// Whether the handle on the other side of the control point turns too.
     pub(crate) paired: bool,
-    /// Places are rounded to this, in metres.
+    /// The step to which coordinates are rounded, in metres.
     pub(crate) step: f64,
 }
 
-impl Held<'_> {
-    /// Height of the curve, or of the ground where it says none.
+impl EditedCurve<'_> {
+    /// The height of the curve, or of the ground where the curve sets none.
     fn level(&self, at: Point, u: f64, space: &dyn Space) -> f64 {
         self.curve.height(u).unwrap_or_else(|| space.height(at))
     }
 
-    /// All that can be held, in the order in which it is drawn.
+    /// All grips, in the order in which they are drawn.
     pub(crate) fn grips(&self, space: &dyn Space) -> Vec<Grip> {
         let mut all = Vec::new();
         match self.sheet {
@@ -112,7 +112,7 @@ impl Held<'_> {
     fn line(&self, spec: &CurveSpec, space: &dyn Space, all: &mut Vec<Grip>) {
         let anchors = spec.anchors();
         let shares = shares(self.curve.knots());
-        // Points that repeat the one before have no piece of their own.
+        // A point that repeats the one before has no piece of its own, and then the numbers differ.
         let fits = shares.len() == anchors.len();
         let level = |i: usize| {
             let u = if fits { shares[i] } else { self.curve.nearest(anchors[i]).0 };
@@ -140,7 +140,8 @@ impl Held<'_> {
                 self.sides(k, foot, space, all);
             }
             let value = format!("at {:.3} of the length", point.u);
-            // Over a control point at the same place, as both ends have one, so that either can be held.
+            // A constraint point stands above a control point at the same place, as at both ends of a curve, so that
+            // both can be dragged.
             let covers = |at: Pos2| anchors.iter().any(|a| a.distance(at) < LIFT);
             let lift = if space.screen(foot).is_some_and(covers) { LIFT } else { 0.0 };
             let name = format!("constraint point {k}");
@@ -162,7 +163,7 @@ impl Held<'_> {
         let radius = here.elevation.map_or(0.0, |e| e.radius);
         let apart = APART * space.across(foot);
         let edge_at = radius.max(1.7 * apart);
-        for side in [Side::Left, Side::Right] {
+        for side in [CurveSide::Left, CurveSide::Right] {
             let (name, sign) = named(side);
             let Some((extent, angle)) = here.slope.map(|s| on_side(s, side)) else { continue };
             let tangent = libm::tan(angle.to_radians());
@@ -180,7 +181,7 @@ impl Held<'_> {
             }
         }
         if here.elevation.is_some() {
-            // On the side that is lower on the screen: the other has the pin of the height.
+            // The grip is on the side that is lower on the screen, because the pin of the height is on the other.
             let sides = [edge_at, -edge_at].map(|across| beside(across, foot[2]));
             let low = |at: [f64; 3]| space.screen(at).map_or(f32::MIN, |p| p.y);
             let [at, opposite] = if low(sides[0]) >= low(sides[1]) { sides } else { [sides[1], sides[0]] };
@@ -189,7 +190,7 @@ impl Held<'_> {
         }
     }
 
-    /// All that holds at a constraint point.
+    /// The attributes of the curve at a constraint point.
     fn attributes(&self, k: usize) -> Option<ConstraintPoint> {
         let u = self.curve.points().get(k)?.u;
         let mut here = self.curve.attributes(u);
@@ -197,7 +198,7 @@ impl Held<'_> {
         Some(here)
     }
 
-    /// The drawing with a part pulled away from where it was.
+    /// The drawing after a part was moved.
     pub(crate) fn pulled(&self, part: Part, pull: &Pull) -> Sheet {
         match self.sheet {
             Sheet::Trail(points) => {
@@ -221,7 +222,7 @@ impl Held<'_> {
         match part {
             Part::Anchor(i) => spec.move_anchor(i, to),
             Part::Handle(k) => spec.move_handle(k, to, pull.paired),
-            // The whole curve is pulled by a place that was nothing before.
+            // For the whole curve, `to` is the movement.
             Part::Body => spec.shift(to),
             Part::Point(k) => self.slide(spec, k, pull.to),
             Part::Height(k) => self.change(spec, k, |p| {
@@ -230,7 +231,7 @@ impl Held<'_> {
                 }
             }),
             Part::Plateau(k) => {
-                // Outwards, on whichever side it is held.
+                // Outwards is larger, on either side of the curve.
                 let [from, to] = [pull.from, pull.to].map(|p| self.across(k, p).abs());
                 let across = to - from;
                 self.change(spec, k, |p| {
@@ -244,8 +245,8 @@ impl Held<'_> {
                 self.change(spec, k, |p| {
                     let Some(slope) = &mut p.slope else { return };
                     let extent = match side {
-                        Side::Left => &mut slope.left_extent,
-                        Side::Right => &mut slope.right_extent,
+                        CurveSide::Left => &mut slope.left_extent,
+                        CurveSide::Right => &mut slope.right_extent,
                     };
                     *extent = rounded(*extent + across, pull.step).clamp(0.0, MAX_EXTENT);
                 });
@@ -256,20 +257,21 @@ impl Held<'_> {
                 let tangent = libm::tan(angle.to_radians()) + pull.rise / (ON_SLOPE[1] * extent).max(1e-6);
                 let angle = rounded(libm::atan(tangent).to_degrees(), 0.5).clamp(-MAX_ANGLE, MAX_ANGLE);
                 match side {
-                    Side::Left => slope.left_angle = angle,
-                    Side::Right => slope.right_angle = angle,
+                    CurveSide::Left => slope.left_angle = angle,
+                    CurveSide::Right => slope.right_angle = angle,
                 }
             }),
         }
     }
 
-    /// How far to the left of a constraint point a place is.
+    /// The distance of a place to the left of a constraint point, in metres; negative to the right.
     fn across(&self, k: usize, at: Point) -> f64 {
         let u = self.curve.points().get(k).map_or(0.0, |p| p.u);
         dot(sub(at, self.curve.point(u)), left_of(self.curve.heading(u)))
     }
 
-    /// Changes what holds at a constraint point; a group that was not set there is set to what it was.
+    /// Changes the attributes at a constraint point. A group that the point did not set, but the change alters, is set
+    /// in full, starting from the interpolated values.
     fn change(&self, spec: &mut CurveSpec, k: usize, change: impl FnOnce(&mut ConstraintPoint)) {
         let mut points = self.curve.points();
         let (Some(here), Some(point)) = (self.attributes(k), points.get_mut(k)) else { return };
@@ -284,7 +286,7 @@ impl Held<'_> {
         spec.set_points(&points);
     }
 
-    /// Slides a constraint point along the curve, between its neighbours.
+    /// Moves a constraint point along the curve, between its neighbours.
     fn slide(&self, spec: &mut CurveSpec, k: usize, to: Point) {
         let mut points = self.curve.points();
         let least = if k == 0 { 0.0 } else { points[k - 1].u + 0.001 };
@@ -315,17 +317,17 @@ fn pull_trail(points: &mut [Vec<f64>], part: Part, pull: &Pull) {
     }
 }
 
-fn on_side(slope: crate::value::curves::Slope, side: Side) -> (f64, f64) {
+fn on_side(slope: crate::value::curves::Slope, side: CurveSide) -> (f64, f64) {
     match side {
-        Side::Left => (slope.left_extent, slope.left_angle),
-        Side::Right => (slope.right_extent, slope.right_angle),
+        CurveSide::Left => (slope.left_extent, slope.left_angle),
+        CurveSide::Right => (slope.right_extent, slope.right_angle),
     }
 }
 
-fn named(side: Side) -> (&'static str, f64) {
+fn named(side: CurveSide) -> (&'static str, f64) {
     match side {
-        Side::Left => ("left", 1.0),
-        Side::Right => ("right", -1.0),
+        CurveSide::Left => ("left", 1.0),
+        CurveSide::Right => ("right", -1.0),
     }
 }
 
@@ -338,7 +340,7 @@ fn stem(part: Part, at: [f64; 3], name: String, height: f64) -> Grip {
 }
 
 pub(super) fn rounded(x: f64, step: f64) -> f64 {
-    // Whole steps divide without a rest, so that 0.1 stays 0.1.
+    // Multiplying by the reciprocal of the step, a whole number, keeps 0.1 at 0.1.
     let per = (1.0 / step).round().max(1.0);
     if step >= 1.0 { (x / step).round() * step } else { (x * per).round() / per }
 }

@@ -1,9 +1,9 @@
-//! Drawing on the terrain: curves, lines through points and masks, in the map as in the relief.
+//! Drawing on the terrain: curves, lines through points and masks, in the map and in the relief.
 //!
-//! What is drawn is the parameter of the one chosen node ([`sheet`]); every stroke of the hand is a change of the
-//! document like any other, so that undo, recovery and evaluation follow by themselves. A view lends its [`Space`]: where
-//! places stand on the screen and which place a hand points at. All that is held here is what is chosen and what a hand
-//! is doing.
+//! A drawing is a parameter of the one chosen node ([`sheet`]). Every stroke is a change of the document like any
+//! other, so that undo, recovery and evaluation need nothing of their own. A view provides a [`Space`], which converts
+//! between places of the world and points of the screen. The state here is the tool, the selection and the gesture in
+//! progress.
 
 mod brush;
 mod change;
@@ -28,32 +28,32 @@ use crate::value::Curve;
 use grip::Part;
 use sheet::Sheet;
 
-/// How a view shows the world.
+/// The conversion between places of the world and points of the screen in a view.
 pub(crate) trait Space {
-    /// Where a place (east, south, up; metres) stands on the screen; `None` behind the eye.
+    /// The point of the screen that shows a place (east, south, up; metres); `None` behind the eye.
     fn screen(&self, at: [f64; 3]) -> Option<Pos2>;
-    /// The place at a height that a point of the screen shows.
+    /// The place at a given height that a point of the screen shows.
     fn level(&self, pos: Pos2, height: f64) -> Option<[f64; 2]>;
-    /// The place of the ground that a point of the screen shows.
+    /// The place on the ground that a point of the screen shows.
     fn ground(&self, pos: Pos2) -> Option<[f64; 2]>;
-    /// Height of the ground.
+    /// Height of the ground at a place, in metres.
     fn height(&self, at: [f64; 2]) -> f64;
-    /// Metres of height that a pixel upwards stands for.
+    /// Metres of height in a pixel upwards, at a place.
     fn rise(&self, at: [f64; 3]) -> f64;
-    /// Metres that a pixel across stands for.
+    /// Metres in a pixel sideways, at a place.
     fn across(&self, at: [f64; 3]) -> f64;
     /// Whether the ground hides a place.
     fn hides(&self, at: [f64; 3]) -> bool;
-    /// Whether it is seen from straight above, so that heights have no place of their own.
+    /// Whether the view is from straight above, so that the height of a place does not change its point.
     fn is_flat(&self) -> bool;
-    /// From the lowest to the highest ground, in metres.
+    /// The height between the lowest and the highest ground, in metres.
     fn relief(&self) -> f64;
 }
 
-/// What a hand does on the ground of a view.
+/// What the primary button does on the ground of a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Tool {
-    /// Chooses and moves what is there.
+    /// Chooses and moves existing curves.
     #[default]
     Select,
     /// Draws new curves.
@@ -62,11 +62,11 @@ pub(crate) enum Tool {
     Brush,
 }
 
-/// What drawing works with for a frame.
-pub(crate) struct Pad<'a> {
+/// What drawing borrows for a frame.
+pub(crate) struct DrawingContext<'a> {
     pub(crate) document: &'a mut Document,
     pub(crate) notices: &'a mut Notices,
-    /// The node whose drawing it is.
+    /// The node whose parameter is drawn.
     pub(crate) node: Option<NodeId>,
 }
 
@@ -74,54 +74,55 @@ pub(crate) struct Pad<'a> {
 #[derive(Default)]
 pub(crate) struct Drawing {
     pub(crate) tool: Tool,
-    /// The brush: a stroke without a line.
+    /// The brush: a stroke without points.
     pub(crate) brush: Stroke,
     /// The chosen curve.
     pub(crate) curve: Option<usize>,
-    /// The chosen constraint point of it.
+    /// The chosen constraint point of the chosen curve.
     pub(crate) point: Option<usize>,
-    /// The chosen control point of it.
+    /// The chosen control point of the chosen curve.
     anchor: Option<usize>,
     grab: Option<Grab>,
-    /// The state of the document that the last pull left: another means that others have changed it.
-    wrote: Option<u64>,
+    /// The state of the document after the last movement of the grab. In any other state, something else has changed
+    /// the document.
+    written_state: Option<u64>,
     trace: Option<Trace>,
-    /// Where a curve begins that has no second point yet.
+    /// The first point of a new curve that has no second point yet.
     start: Option<[f64; 2]>,
-    /// Whether the chosen curve is under the pointer.
-    over: bool,
-    /// Whether the last press was in the view, so that keys are meant for the drawing.
-    touched: bool,
-    /// Whether the key that deletes has done so since the last press, so that a held key does not go on to the curve and
-    /// the node.
-    spent: bool,
-    known: Option<Known>,
-    /// Where the right button was pressed, for the menu.
+    /// Whether the pointer is on the chosen curve.
+    is_hovered: bool,
+    /// Whether the last press of a button was in the view, so that keys go to the drawing.
+    receives_keys: bool,
+    /// Whether the delete key has removed something since the last press of a button. A key that is held down would
+    /// otherwise go on to remove the curve and then the node.
+    has_deleted: bool,
+    parsed: Option<Parsed>,
+    /// The place where the right button was pressed, for the menu.
     menu: Option<menu::Spot>,
 }
 
-/// A part in the hand.
+/// A part that is being dragged.
 struct Grab {
     part: Part,
-    /// The drawing and the curve as they were.
+    /// The drawing and the curve before the drag.
     sheet: Sheet,
     curve: Curve,
-    /// Where the part was, and where the pointer was.
+    /// The places of the part and of the pointer before the drag.
     at: [f64; 3],
     from: Pos2,
 }
 
-/// A line that is being drawn with the button down.
+/// A line that is drawn while the button is down.
 struct Trace {
-    /// The drawing as it was.
+    /// The drawing before the line.
     sheet: Sheet,
     points: Vec<[f64; 2]>,
-    /// How many of its points the document has.
+    /// The number of points that were written to the document.
     written: usize,
 }
 
-/// What was made of a state of the document.
-struct Known {
+/// The drawing as parsed from a state of the document.
+struct Parsed {
     state: u64,
     node: NodeId,
     param: String,
@@ -130,35 +131,35 @@ struct Known {
 }
 
 impl Drawing {
-    /// Whether the first button is meant for the drawing and not for the view.
-    pub(crate) fn holds(&self) -> bool {
-        self.known.is_some() && (self.grab.is_some() || self.tool != Tool::Select || self.over)
+    /// Whether the primary button acts on the drawing and not on the view.
+    pub(crate) fn takes_primary_button(&self) -> bool {
+        self.parsed.is_some() && (self.grab.is_some() || self.tool != Tool::Select || self.is_hovered)
     }
 
-    /// What is drawn now, if anything.
+    /// The drawing of the chosen node, where it has one.
     pub(crate) fn sheet(&self) -> Option<&Sheet> {
-        self.known.as_ref().map(|k| &k.sheet)
+        self.parsed.as_ref().map(|k| &k.sheet)
     }
 
-    /// Reads the drawing of the chosen node, where the document or the choice has changed.
-    pub(crate) fn look(&mut self, pad: &Pad<'_>) {
-        let state = pad.document.state();
-        if self.known.as_ref().is_some_and(|k| k.state == state && Some(k.node) == pad.node) {
+    /// Parses the drawing of the chosen node, where the document or the choice of the node has changed.
+    pub(crate) fn read(&mut self, cx: &DrawingContext<'_>) {
+        let state = cx.document.state();
+        if self.parsed.as_ref().is_some_and(|k| k.state == state && Some(k.node) == cx.node) {
             return;
         }
-        let found = pad.node.and_then(|id| Some((id, Sheet::of(pad.document.graph(), id)?)));
+        let found = cx.node.and_then(|id| Some((id, Sheet::of(cx.document.graph(), id)?)));
         let Some((node, (param, sheet))) = found else {
-            let touched = self.touched;
+            let receives_keys = self.receives_keys;
             self.forget();
-            self.touched = touched;
+            self.receives_keys = receives_keys;
             return;
         };
-        let mut old = self.known.take().filter(|k| k.node == node);
+        let mut old = self.parsed.take().filter(|k| k.node == node);
         if old.is_none() {
             (self.tool, self.curve, self.point, self.anchor) = (Tool::Select, None, None, None);
             (self.grab, self.trace, self.start) = (None, None, None);
         }
-        // Measuring a curve takes time: those that are as they were stay.
+        // Building a curve takes time, so that unchanged curves are taken over.
         let mut curve = |i: usize| match &mut old {
             Some(old) if old.sheet.spec(i).is_some() && old.sheet.spec(i) == sheet.spec(i) => {
                 old.curves.get_mut(i).and_then(Option::take)
@@ -174,79 +175,85 @@ impl Drawing {
         if matches!(sheet, Sheet::Trail(_)) {
             self.curve = Some(0);
         }
-        self.known = Some(Known { state, node, param, sheet, curves });
+        self.parsed = Some(Parsed { state, node, param, sheet, curves });
     }
 
-    /// Draws over a view and does what hands do; `ground` answers for all of it.
-    pub(crate) fn show(&mut self, ui: &Ui, space: &dyn Space, ground: &Response, pad: &mut Pad<'_>) {
+    /// Paints the drawing over a view and handles its input; `ground` is the response of the whole view.
+    pub(crate) fn show(
+        &mut self,
+        ui: &Ui,
+        space: &dyn Space,
+        ground: &Response,
+        cx: &mut DrawingContext<'_>,
+    ) {
         if ui.input(|i| i.pointer.any_pressed()) {
             let at = ui.input(|i| i.pointer.interact_pos());
-            self.touched = at.is_some_and(|p| ground.rect.contains(p)) && ground.contains_pointer();
-            self.spent = false;
+            self.receives_keys = at.is_some_and(|p| ground.rect.contains(p)) && ground.contains_pointer();
+            self.has_deleted = false;
         }
-        self.look(pad);
-        let Some(known) = &self.known else { return };
-        let step = step(pad);
+        self.read(cx);
+        let Some(parsed) = &self.parsed else { return };
+        let step = step(cx);
         let hint = match self.tool {
             Tool::Select => "",
             Tool::Draw => "Click for each point, or drag freely; double-click, Enter or Esc ends",
             Tool::Brush => "Drag paints, with Alt it erases; [ and ] change the radius, Esc ends",
         };
         paint::hint(ui, hint);
-        match known.sheet {
-            Sheet::Strokes(_) => self.brushing(ui, space, ground, pad, step),
-            _ => self.curving(ui, space, ground, pad, step),
+        match parsed.sheet {
+            Sheet::Strokes(_) => self.brushing(ui, space, ground, cx, step),
+            _ => self.curving(ui, space, ground, cx, step),
         }
     }
 
-    /// Puts a new drawing into the document; true when it was taken.
-    fn write(&self, pad: &mut Pad<'_>, label: &str, gesture: Option<&str>, sheet: &Sheet) -> bool {
-        let Some(Known { node, param, .. }) = &self.known else { return false };
+    /// Writes a drawing to the document; returns whether the change was accepted.
+    fn write(&self, cx: &mut DrawingContext<'_>, label: &str, gesture: Option<&str>, sheet: &Sheet) -> bool {
+        let Some(Parsed { node, param, .. }) = &self.parsed else { return false };
         let (node, value) = (*node, sheet.json());
         let change = |graph: &mut crate::graph::Graph| ops::set(graph, &[node], param, value);
         let done = match gesture {
-            Some(gesture) => pad.document.gesture(label, gesture, change),
-            None => pad.document.edit(label, change),
+            Some(gesture) => cx.document.gesture(label, gesture, change),
+            None => cx.document.edit(label, change),
         };
         match done {
             Ok(()) => true,
             Err(problem) => {
-                pad.notices.problem(&problem);
+                cx.notices.problem(&problem);
                 false
             }
         }
     }
 
-    /// Removes what is chosen; false when that is nothing, so that the key means something else.
-    pub(crate) fn delete(&mut self, pad: &mut Pad<'_>) -> bool {
-        self.look(pad);
-        let known = self.known.is_some() && self.touched;
-        if known && (self.spent || self.grab.is_some()) {
+    /// Removes the chosen part or curve. Returns false where the key is not for the drawing.
+    pub(crate) fn delete(&mut self, cx: &mut DrawingContext<'_>) -> bool {
+        self.read(cx);
+        let applies = self.parsed.is_some() && self.receives_keys;
+        if applies && (self.has_deleted || self.grab.is_some()) {
             return true;
         }
-        self.spent = known && self.remove_chosen(pad);
-        self.spent
+        self.has_deleted = applies && self.remove_chosen(cx);
+        self.has_deleted
     }
 
-    /// Forgets a document that is no longer on the desk.
+    /// Resets everything but the brush, when the document is replaced.
     pub(crate) fn forget(&mut self) {
         *self = Self { brush: self.brush.clone(), ..Self::default() };
     }
 
-    /// Ends what a tool is doing.
-    pub(crate) fn rest(&mut self) {
+    /// Ends the tool and its gesture.
+    pub(crate) fn end_tool(&mut self) {
         (self.tool, self.start, self.trace, self.grab) = (Tool::Select, None, None, None);
     }
 }
 
-/// Places are rounded to this, in metres: far below what is seen.
-fn step(pad: &Pad<'_>) -> f64 {
-    let terrain = pad.document.graph().terrain();
+/// The step to which coordinates are rounded, in metres: a decimal power far below what is visible, at most 1 m.
+fn step(cx: &DrawingContext<'_>) -> f64 {
+    let terrain = cx.document.graph().terrain();
     let long = terrain.width.max(terrain.depth).max(1.0);
     decade(long / 20_000.0).min(1.0)
 }
 
-/// Whether a key for a tool was pressed, and is not meant for a dialog over the window or a field with text.
+/// Whether a key for a tool was pressed while no dialog and no text field takes keys.
 fn pressed(ui: &Ui, keys: &[Key]) -> bool {
     let dialog = ui.ctx().memory(|m| m.top_modal_layer().is_some());
     !dialog
@@ -254,8 +261,8 @@ fn pressed(ui: &Ui, keys: &[Key]) -> bool {
         && keys.iter().any(|key| ui.input_mut(|i| i.consume_key(Modifiers::NONE, *key)))
 }
 
-/// Something to hold, of a size that a hand finds.
-fn hold(ui: &Ui, at: Pos2, size: f32, id: Id, name: &str) -> Response {
+/// A named area around a point that can be clicked and dragged.
+fn grip_area(ui: &Ui, at: Pos2, size: f32, id: Id, name: &str) -> Response {
     let rect = Rect::from_center_size(at, egui::vec2(size, size));
     let response = ui.interact(rect, id, egui::Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, name));

@@ -1,4 +1,4 @@
-//! How curves and their grips look: light over dark, so that they are seen on any ground.
+//! Painting of curves and their grips: light lines on dark ones, so that they are visible on any ground.
 
 use eframe::egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, vec2};
 
@@ -13,19 +13,19 @@ const DARK: Color32 = Color32::from_black_alpha(170);
 #[derive(Clone, Copy)]
 pub(super) struct Dot {
     pub(super) at: Pos2,
-    /// Whether it is not behind the ground.
+    /// Whether the ground does not hide the point.
     pub(super) seen: bool,
 }
 
 /// A curve on the screen.
 pub(super) type Line = Vec<Dot>;
 
-/// A curve as it is seen; what is behind the eye is left out.
+/// The points of a curve on the screen, without those behind the eye.
 pub(super) fn line(curve: &Curve, space: &dyn Space) -> Line {
     seen(&curve.sketch(), space)
 }
 
-/// A line of the world as it is seen; it lies on the ground where it has no height.
+/// The points of a line of the world on the screen; points without a height lie on the ground.
 fn seen(line: &SketchLine, space: &dyn Space) -> Line {
     let dot = |(at, height): &SketchPoint| {
         let at = [at[0], at[1], height.unwrap_or_else(|| space.height(*at))];
@@ -34,7 +34,7 @@ fn seen(line: &SketchLine, space: &dyn Space) -> Line {
     line.iter().filter_map(dot).collect()
 }
 
-/// All curves; the chosen one and the one under the pointer stand out.
+/// Paints all curves; the chosen one and the one under the pointer stand out.
 pub(super) fn lines(ui: &Ui, lines: &[Option<Line>], chosen: Option<usize>, hit: Option<usize>) {
     draw(ui, lines, theme::wire_color(WireType::Object(Curves::TYPE)), (chosen, hit));
 }
@@ -58,7 +58,7 @@ fn draw(ui: &Ui, lines: &[Option<Line>], usual: Color32, (chosen, hit): (Option<
     }
 }
 
-/// Lines of a value that are only looked at.
+/// Paints the lines of a value that is not edited.
 pub(crate) fn plain(ui: &Ui, space: &dyn Space, lines: &[SketchLine], wire: WireType) {
     let all: Vec<_> = lines.iter().map(|line| Some(seen(line, space))).collect();
     draw(ui, &all, theme::wire_color(wire), (None, None));
@@ -69,14 +69,14 @@ fn stroke(ui: &Ui, line: &[Pos2], width: f32, color: Color32) {
     ui.painter().line(line.to_vec(), Stroke::new(width, color));
 }
 
-/// A line through places of the ground that is being drawn.
+/// Paints a line that is being drawn through places of the ground.
 pub(super) fn path(ui: &Ui, space: &dyn Space, points: &[[f64; 2]]) {
     let seen: Vec<Pos2> =
         points.iter().filter_map(|p| space.screen([p[0], p[1], space.height(*p)])).collect();
     stroke(ui, &seen, 2.0, theme::CHOSEN);
 }
 
-/// The points of a curve that is being drawn.
+/// Paints the points of a curve that is being drawn.
 pub(super) fn marks(ui: &Ui, space: &dyn Space, places: impl Iterator<Item = [f64; 2]>) {
     for at in places.filter_map(|p| space.screen([p[0], p[1], space.height(p)])) {
         let square = Rect::from_center_size(at, vec2(9.0, 9.0));
@@ -84,8 +84,8 @@ pub(super) fn marks(ui: &Ui, space: &dyn Space, places: impl Iterator<Item = [f6
     }
 }
 
-/// A part that can be held: squares for control points, circles for handles, diamonds for constraint points, a pin for
-/// heights, bars for widths, triangles for angles.
+/// Paints a grip: squares for control points, circles for handles, diamonds for constraint points, pins for heights,
+/// bars for widths, triangles for angles.
 pub(super) fn grip(ui: &Ui, space: &dyn Space, grip: &Grip, at: Pos2, hot: bool, chosen: bool) {
     let painter = ui.painter();
     let color = match grip.part {
@@ -121,7 +121,7 @@ pub(super) fn grip(ui: &Ui, space: &dyn Space, grip: &Grip, at: Pos2, hot: bool,
     painter.add(shape);
 }
 
-/// How a tool is used, at the top of the view.
+/// Paints the hint of a tool at the top of the view.
 pub(super) fn hint(ui: &Ui, text: &str) {
     if text.is_empty() {
         return;
@@ -132,7 +132,7 @@ pub(super) fn hint(ui: &Ui, text: &str) {
     ui.painter().galley(rect.min, galley, Color32::WHITE);
 }
 
-/// What is under the hand, and its value.
+/// Paints the name and the value of a grip beside it.
 pub(super) fn tell(ui: &Ui, at: Pos2, text: &str) {
     let galley =
         ui.painter().layout_no_wrap(text.trim().to_owned(), FontId::proportional(12.5), Color32::WHITE);

@@ -1,24 +1,24 @@
-//! The tool that draws new curves: a click for each point, or a line with the button down.
+//! The tool that draws new curves, by a click for each point or by a line with the button down.
 
 use eframe::egui::{Key, PointerButton, Pos2, Response, Ui};
 
 use super::grip::rounded;
 use super::sheet::Sheet;
-use super::{Drawing, Pad, Space, Tool, Trace, paint, pressed};
+use super::{Drawing, DrawingContext, Space, Tool, Trace, paint, pressed};
 use crate::kit::paint::thinned;
 use crate::value::CurveSpec;
 use crate::value::curves::bezier::{norm, sub};
 
-/// Pixels that a freely drawn line may be off its points.
+/// The deviation that thinning a freely drawn line may cause, in pixels.
 const LOOSE: f64 = 3.0;
-/// Relief in metres below which the ground is a plain, and the length of a new curve that it rises by on one: a curve at
-/// the height of a plain would change nothing.
+/// Relief in metres below which the ground is a plain, and the height of a new curve on a plain as a share of its
+/// length. A curve at the height of the plain would change nothing.
 const PLAIN: f64 = 1.0;
 const RISE: f64 = 0.1;
 
 impl Drawing {
-    /// Begins to draw.
-    pub(crate) fn begin(&mut self) {
+    /// Starts a new curve.
+    pub(crate) fn begin_curve(&mut self) {
         self.tool = Tool::Draw;
         (self.start, self.anchor) = (None, None);
     }
@@ -28,11 +28,11 @@ impl Drawing {
         ui: &Ui,
         space: &dyn Space,
         ground: &Response,
-        pad: &mut Pad<'_>,
+        cx: &mut DrawingContext<'_>,
         step: f64,
     ) {
         if pressed(ui, &[Key::Enter, Key::Escape]) {
-            self.rest();
+            self.end_tool();
             return;
         }
         let place = |pos: Pos2| space.ground(pos).map(|p| p.map(|x| rounded(x, step)));
@@ -55,15 +55,15 @@ impl Drawing {
             let loose = trace.points.first().map_or(1.0, |p| space.across(height(p))) * LOOSE;
             let points = thinned(&trace.points, loose);
             if points.len() > 1 {
-                self.add_curve(pad, &points, space);
+                self.add_curve(cx, &points, space);
                 self.start = None;
             }
             return;
         }
         if ground.double_clicked() {
-            self.rest();
+            self.end_tool();
         } else if let Some(p) = ground.interact_pointer_pos().filter(|_| ground.clicked()).and_then(place) {
-            self.click(pad, p, space);
+            self.click(cx, p, space);
         }
         let end = self.start.or_else(|| self.anchor.and_then(|_| self.last_anchor()));
         if let (Some(from), Some(to)) = (end, here) {
@@ -74,25 +74,25 @@ impl Drawing {
         paint::marks(ui, space, self.start.into_iter().chain(of_curve.into_iter().flatten()));
     }
 
-    /// A click: the first begins, the second makes the curve, others go on. A curve that is all that its node has goes on
-    /// at once.
-    fn click(&mut self, pad: &mut Pad<'_>, p: [f64; 2], space: &dyn Space) {
+    /// Handles a click: the first sets the start, the second adds the curve, later ones extend it. The curve of a node
+    /// that has exactly one is extended from the first click on.
+    fn click(&mut self, cx: &mut DrawingContext<'_>, p: [f64; 2], space: &dyn Space) {
         match (self.start.take(), self.sheet()) {
-            (Some(start), _) if start != p => self.add_curve(pad, &[start, p], space),
-            (None, Some(Sheet::Trail(_))) => self.go_on(pad, p, space),
-            (None, Some(Sheet::Curves(_))) if self.anchor.is_some() => self.go_on(pad, p, space),
+            (Some(start), _) if start != p => self.add_curve(cx, &[start, p], space),
+            (None, Some(Sheet::Trail(_))) => self.go_on(cx, p, space),
+            (None, Some(Sheet::Curves(_))) if self.anchor.is_some() => self.go_on(cx, p, space),
             _ => self.start = Some(p),
         }
     }
 
-    /// Goes on from the end of the chosen curve.
-    fn go_on(&mut self, pad: &mut Pad<'_>, p: [f64; 2], space: &dyn Space) {
+    /// Extends the chosen curve at its end.
+    fn go_on(&mut self, cx: &mut DrawingContext<'_>, p: [f64; 2], space: &dyn Space) {
         let (Some(mut sheet), Some(i)) = (self.sheet().cloned(), self.curve) else { return };
         let anchors = match &mut sheet {
             Sheet::Curves(specs) => {
                 let Some(spec) = specs.get_mut(i) else { return };
                 if let Err(fault) = spec.extend(p) {
-                    pad.notices.fail(format!("The curve {fault}"));
+                    cx.notices.fail(format!("The curve {fault}"));
                     return;
                 }
                 spec.anchors().len()
@@ -103,7 +103,7 @@ impl Drawing {
             }
             Sheet::Strokes(_) => return,
         };
-        if self.write(pad, "Add control point", None, &sheet) {
+        if self.write(cx, "Add control point", None, &sheet) {
             self.anchor = anchors.checked_sub(1);
         }
     }
@@ -116,8 +116,9 @@ impl Drawing {
         }
     }
 
-    /// A new curve at the heights of the ground it is drawn on, on a plain above it; of a node that has one curve, its new course.
-    fn add_curve(&mut self, pad: &mut Pad<'_>, points: &[[f64; 2]], space: &dyn Space) {
+    /// Adds a curve at the heights of the ground, or above the ground where this is a plain. On a node that has exactly
+    /// one curve, replaces the course of that.
+    fn add_curve(&mut self, cx: &mut DrawingContext<'_>, points: &[[f64; 2]], space: &dyn Space) {
         let Some(mut sheet) = self.sheet().cloned() else { return };
         let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
         let number = match &mut sheet {
@@ -138,13 +139,13 @@ impl Drawing {
             }
             Sheet::Strokes(_) => return,
         };
-        if self.write(pad, "Draw curve", None, &sheet) {
+        if self.write(cx, "Draw curve", None, &sheet) {
             (self.curve, self.point, self.anchor) = (Some(number), None, Some(points.len() - 1));
         }
     }
 }
 
-/// A point of a line whose kind has heights or has none, as the points before it.
+/// A point of a line, with a height where the points before it have heights.
 fn trail_point(points: &[Vec<f64>], p: [f64; 2], space: &dyn Space) -> Vec<f64> {
     let has_height = points.first().is_none_or(|q| q.len() > 2);
     p.into_iter().chain(has_height.then(|| space.height(p).round())).collect()

@@ -1,5 +1,5 @@
-//! What is drawn: the parameter of a node that holds curves, a line through points, or strokes of a brush. Which it is
-//! says the schema, by its widget, so that a new kind can be drawn by hand the moment it exists.
+//! The drawn parameter of a node: curves, a line through points, or strokes of a brush. The widget in the schema of the
+//! kind says which, so that new kinds can be drawn on without changes here.
 
 use serde_json::Value as Json;
 
@@ -15,14 +15,14 @@ use crate::widget::Widget;
 pub(crate) enum Sheet {
     /// Feature curves.
     Curves(Vec<CurveSpec>),
-    /// East, south and, where the kind has one, height of points that one curve goes through.
+    /// Points that one curve goes through: east, south and, where the kind has heights, height.
     Trail(Vec<Vec<f64>>),
     /// Strokes of a brush.
     Strokes(Vec<Stroke>),
 }
 
 impl Sheet {
-    /// The drawing that a node holds, and the parameter that it is.
+    /// The drawing of a node, and the name of its parameter; `None` where the kind has none or the value is malformed.
     pub(crate) fn of(graph: &Graph, id: NodeId) -> Option<(String, Self)> {
         let node = graph.get(id)?;
         let drawn = |p: &&crate::params::Param| {
@@ -35,7 +35,7 @@ impl Sheet {
             Some(Widget::Strokes) => Self::Strokes(serde_json::from_value(value).ok()?),
             _ => {
                 let points: Vec<Vec<f64>> = serde_json::from_value(value).ok()?;
-                // A file written by hand may say anything.
+                // A file written by hand may hold points with one number.
                 Self::Trail(points.iter().all(|p| p.len() > 1).then_some(points)?)
             }
         };
@@ -79,7 +79,7 @@ impl Sheet {
         }
     }
 
-    /// What a curve is called.
+    /// The name of a curve, or its number where it has no name.
     pub(crate) fn name(&self, i: usize) -> String {
         match self.spec(i).filter(|s| !s.name.is_empty()) {
             Some(spec) => spec.name.clone(),
@@ -87,7 +87,7 @@ impl Sheet {
         }
     }
 
-    /// The curves; none where a curve has a fault.
+    /// A curve in its evaluated form; `None` where it has a fault.
     pub(super) fn build(&self, i: usize) -> Option<Curve> {
         match self {
             Self::Curves(specs) => specs.get(i)?.build().ok(),
@@ -97,17 +97,17 @@ impl Sheet {
     }
 }
 
-/// The curve that the short forms make of their points.
+/// The curve that kinds with a line through points make of it.
 fn trail(points: &[Vec<f64>]) -> Option<Curve> {
     let places: Vec<_> = points.iter().map(|p| Some([*p.first()?, *p.get(1)?])).collect::<Option<_>>()?;
     let heights: Option<Vec<f64>> = points.iter().map(|p| p.get(2).copied()).collect();
-    // A curve says something; what does not matter here.
+    // A curve without constraints is refused, so that this one sets noise, which is not used.
     let grain = Grain::Set { amplitude: Metres(0.0), roughness: Ratio(0.0) };
     let curves = short::curve("", &places, heights.as_deref(), Ground { grain, ..Ground::default() });
     curves.ok()?.iter().next().cloned()
 }
 
-/// Writes whole numbers without a point and others without digits that nobody meant.
+/// Rounds all numbers to six decimals and writes whole ones without a decimal point.
 pub(crate) fn tidy(json: &mut Json) {
     match json {
         Json::Number(n) => {

@@ -1,11 +1,11 @@
-//! What a build would take, for its dialog.
+//! The cost of a build, for its dialog.
 
 use super::{Order, Shared, lock};
 use crate::editor::board::Estimate;
 use crate::engine::{Engine, Want};
 
 impl Shared {
-    /// Estimates the build that the order asks about.
+    /// Estimates the build of an order, unless the board has its estimate already.
     pub(super) fn estimate(&self, engine: &Engine, order: &Order) {
         let Some(build) = &order.build else { return };
         if lock(&self.board).estimate.as_ref().is_some_and(|e| e.of == *build) {
@@ -20,8 +20,8 @@ impl Shared {
             of: build.clone(),
             seconds: plan.seconds() / engine.pool().current_num_threads() as f64,
             bytes: plan.peak_bytes(),
-            over: engine.admit(&plan).err().map(|e| e.to_string()),
+            refusal: engine.admit(&plan).err().map(|e| e.to_string()),
         };
-        self.tell(|board| board.measure(estimate));
+        self.tell(|board| board.set_estimate(estimate));
     }
 }

@@ -1,43 +1,43 @@
-//! What the view shows: a draft at once where the exact result takes long, then that, then its light, then what is
-//! looked at closely.
+//! The evaluation of the view, in this order: a draft where the exact result takes long, the exact result, its picture
+//! under a light, and the part that the user has zoomed in to.
 
 use std::sync::Arc;
 
 use super::{Order, Shared, Stopped, UNASKED_BYTES, lock};
 use crate::context::Cancel;
-use crate::editor::board::{Held, Made, NodeState, Scenery, Shown};
+use crate::editor::board::{NodeState, Scenery, Shown, Unstarted, ViewContents};
 use crate::editor::draft::{COARSER, draft_of, preview};
+use crate::editor::node_progress::NodeProgress;
 use crate::editor::shade::{self, Light};
-use crate::editor::watcher::Watcher;
 use crate::engine::{Engine, EngineError, Want};
 use crate::graph::{Graph, Source};
 use crate::render::{Picture, Scene, map};
 use crate::value::{Colors, Field, Grid, Quantity, Value};
 use crate::work::Work;
 
-/// Estimated seconds from which a draft is shown before the exact result.
+/// Estimated seconds of the exact result above which a draft is shown first.
 const DRAFT_ABOVE: f64 = 0.08;
-/// Estimated seconds that a draft may take; the coarsest is taken whatever it takes.
+/// Estimated seconds that a draft may take; the coarsest draft is used even if it takes longer.
 const DRAFT: f64 = 0.06;
-/// Estimated seconds up to which new orders wait for a draft.
-const SOON: f64 = 0.25;
+/// Estimated seconds up to which a draft is not cancelled by a new order.
+const UNINTERRUPTED: f64 = 0.25;
 
-/// Samples along the longer side up to which the light is soon there: views wait for it, and new orders, too.
-const LIT_SOON: usize = 530;
+/// Samples along the longer side up to which shading is so quick that views and new orders wait for it.
+const QUICKLY_LIT: usize = 530;
 
-/// What the view is made of, once it was evaluated.
+/// The values of a view.
 #[derive(Clone)]
-pub(super) struct Found {
+pub(super) struct Evaluated {
     value: Value,
     against: Option<Value>,
     drape: Option<Value>,
     tint: Option<Value>,
     effective_cell: Option<f64>,
-    /// Why something beside the value is missing.
+    /// Why one of the other values is missing.
     fault: Option<String>,
 }
 
-/// A stand-in for the exact view.
+/// A coarser graph and grid, whose result stands in for the exact one.
 struct Draft {
     graph: Graph,
     grid: Grid,
@@ -46,7 +46,7 @@ struct Draft {
 }
 
 impl Shared {
-    /// Makes what the view shows.
+    /// Evaluates and shows the scene of an order, unless the board shows it already.
     pub(super) fn view(
         &self,
         engine: &Engine,
@@ -54,47 +54,49 @@ impl Shared {
         scene: &Scenery,
         cancel: &Cancel,
     ) -> Result<(), Stopped> {
-        let made = Made { state: order.state, scene: scene.clone() };
-        let (stands, is_made) = {
+        let contents = ViewContents { state: order.state, scene: scene.clone() };
+        let (is_current, shows) = {
             let board = lock(&self.board);
-            (board.stands(&made, order.light), board.is_made(&made))
+            (board.is_current(&contents, order.light), board.shows(&contents))
         };
-        if stands {
+        if is_current {
             return Ok(());
         }
-        let last = lock(&self.found).clone().filter(|(m, _)| is_made && *m == made);
-        if let Some((_, found)) = last {
-            // Only the light is another; where it is soon there, a hand that moves it sees it.
-            let small = found.value.grid().is_some_and(|g| g.cols.max(g.rows) <= LIT_SOON);
-            let light = || self.lit(order, Some(found), cancel);
-            return if small { self.soon(light) } else { light() };
+        let last = lock(&self.evaluated).clone().filter(|(m, _)| shows && *m == contents);
+        if let Some((_, evaluated)) = last {
+            // Only the light has changed. Quick shading is not cancelled, so that the view follows the sun as it is
+            // moved.
+            let small = evaluated.value.grid().is_some_and(|g| g.cols.max(g.rows) <= QUICKLY_LIT);
+            let light = || self.lit(order, Some(evaluated), cancel);
+            return if small { self.uninterrupted(light) } else { light() };
         }
         let graph = &order.graph;
         let Some(grid) = preview(graph.terrain(), scene.size) else { return Ok(()) };
         let threads = engine.pool().current_num_threads() as f64;
         let plan = engine.plan(graph, &wants(scene, grid));
-        let over = engine.admit(&plan).err().map(|e| (e.to_string(), plan.peak_bytes()));
+        let over_budget = engine.admit(&plan).err().map(|e| (e.to_string(), plan.peak_bytes()));
         let (seconds, unread) = (plan.seconds(), plan.unread_bytes());
-        let long = (seconds > self.patience || unread > UNASKED_BYTES) && !order.whatever_it_takes;
-        if over.is_some() || long {
-            self.tell(|board| board.hold(Held { over, seconds, unread }));
+        let long = (seconds > self.patience || unread > UNASKED_BYTES) && !order.is_cost_accepted;
+        if over_budget.is_some() || long {
+            self.tell(|board| board.refuse(Unstarted { over_budget, seconds, unread }));
             return Err(Stopped);
         }
-        let show = |graph: &Graph, grid, draft| self.show(engine, order, scene, graph, grid, draft, cancel);
-        let found = if plan.seconds() / threads <= DRAFT_ABOVE {
-            self.soon(|| show(graph, grid, false))?
+        let show =
+            |graph: &Graph, grid, is_draft| self.show(engine, order, scene, graph, grid, is_draft, cancel);
+        let evaluated = if plan.seconds() / threads <= DRAFT_ABOVE {
+            self.uninterrupted(|| show(graph, grid, false))?
         } else {
             if let Some(Draft { graph, grid, seconds }) = self.draft(engine, order, scene) {
                 let draft = || show(&graph, grid, true).map(drop);
-                if seconds <= SOON { self.soon(draft) } else { draft() }?;
+                if seconds <= UNINTERRUPTED { self.uninterrupted(draft) } else { draft() }?;
             }
             show(graph, grid, false)?
         };
-        *lock(&self.found) = found.clone().map(|found| (made, found));
-        self.lit(order, found, cancel)
+        *lock(&self.evaluated) = evaluated.clone().map(|evaluated| (contents, evaluated));
+        self.lit(order, evaluated, cancel)
     }
 
-    /// The finest stand-in that is quick enough.
+    /// The finest draft that is quick enough, or the coarsest one.
     fn draft(&self, engine: &Engine, order: &Order, scene: &Scenery) -> Option<Draft> {
         let threads = engine.pool().current_num_threads() as f64;
         let all = COARSER.iter().filter_map(|c| draft_of(&order.graph, scene.size, *c));
@@ -109,7 +111,7 @@ impl Shared {
         coarsest
     }
 
-    /// Evaluates and shows; what could not be evaluated is told and gives nothing.
+    /// Evaluates a scene on a grid and shows it. Returns `None` where the evaluation failed, which the board then says.
     #[allow(clippy::too_many_arguments, reason = "one caller; a struct would only rename them")]
     fn show(
         &self,
@@ -118,39 +120,47 @@ impl Shared {
         scene: &Scenery,
         graph: &Graph,
         grid: Grid,
-        draft: bool,
+        is_draft: bool,
         cancel: &Cancel,
-    ) -> Result<Option<Found>, Stopped> {
-        let Some(found) = self.evaluate(engine, order, graph, &wants(scene, grid), scene, cancel)? else {
+    ) -> Result<Option<Evaluated>, Stopped> {
+        let Some(evaluated) = self.evaluate(engine, order, graph, &wants(scene, grid), scene, cancel)? else {
             return Ok(None);
         };
         let (terrain, bounds) = (graph.terrain(), graph.terrain().bounds());
         let shown = |value: &Value, range| {
-            let drape = found.drape.as_ref();
+            let drape = evaluated.drape.as_ref();
             let picture = shade::picture(value, &scene.look, range, drape, terrain, cancel);
-            let picture = shade::tinted(picture.map_err(|_| Stopped)?, found.tint.as_ref());
-            let (picture, effective_cell) = (Arc::new(picture), found.effective_cell);
-            Ok(Shown { id: Shown::next_id(), value: value.clone(), picture, draft, effective_cell, bounds })
+            let picture = shade::tinted(picture.map_err(|_| Stopped)?, evaluated.tint.as_ref());
+            let (picture, effective_cell) = (Arc::new(picture), evaluated.effective_cell);
+            Ok(Shown {
+                id: Shown::next_id(),
+                value: value.clone(),
+                picture,
+                is_draft,
+                effective_cell,
+                bounds,
+            })
         };
-        let main = shown(&found.value, None)?;
-        // Two of a kind that are compared have their colours from one range.
-        let like = |v: &Value| v.quantity() == found.value.quantity();
-        let range = |v: &Value| value_range(&found.value).filter(|_| like(v));
-        let against = found.against.as_ref().map(|v| shown(v, range(v))).transpose()?;
-        let made = (!draft).then_some(Made { state: order.state, scene: scene.clone() });
-        // Where the light is soon there, the picture comes with it and not before it.
-        let small = grid.cols.max(grid.rows) <= LIT_SOON;
-        let lit = order.light.filter(|_| small).map(|light| pictures(&found, light, cancel)).transpose()?;
+        let main = shown(&evaluated.value, None)?;
+        // Two values of one quantity are compared in colours of one range.
+        let like = |v: &Value| v.quantity() == evaluated.value.quantity();
+        let range = |v: &Value| value_range(&evaluated.value).filter(|_| like(v));
+        let against = evaluated.against.as_ref().map(|v| shown(v, range(v))).transpose()?;
+        let contents = (!is_draft).then_some(ViewContents { state: order.state, scene: scene.clone() });
+        // Where shading is quick, the view shows the shaded picture at once and no plain one before it.
+        let small = grid.cols.max(grid.rows) <= QUICKLY_LIT;
+        let lit =
+            order.light.filter(|_| small).map(|light| pictures(&evaluated, light, cancel)).transpose()?;
         self.tell(|board| {
-            board.show(scene.clone(), main, against, made);
+            board.show(scene.clone(), main, against, contents);
             if let (Some(light), Some(lit)) = (order.light, lit) {
-                board.take_light(light, lit);
+                board.set_lit(light, lit);
             }
-            if let Some(fault) = &found.fault {
-                board.view_fails(order.state, fault.clone());
+            if let Some(fault) = &evaluated.fault {
+                board.fail_view(order.state, fault.clone());
             }
         });
-        Ok(Some(found))
+        Ok(Some(evaluated))
     }
 
     fn evaluate(
@@ -161,14 +171,14 @@ impl Shared {
         wants: &[Want],
         scene: &Scenery,
         cancel: &Cancel,
-    ) -> Result<Option<Found>, Stopped> {
-        let tell = |node, state| self.tell(|board| board.node(node, state));
-        let watch = Watcher::new(graph, &tell);
-        let evaluation = match engine.evaluate(graph, wants, &watch, cancel) {
+    ) -> Result<Option<Evaluated>, Stopped> {
+        let tell = |node, state| self.tell(|board| board.set_node(node, state));
+        let progress = NodeProgress::new(graph, &tell);
+        let evaluation = match engine.evaluate(graph, wants, &progress, cancel) {
             Ok(evaluation) => evaluation,
             Err(EngineError::Cancelled) => return Err(Stopped),
             Err(other) => {
-                self.tell(|board| board.view_fails(order.state, other.to_string()));
+                self.tell(|board| board.fail_view(order.state, other.to_string()));
                 return Ok(None);
             }
         };
@@ -181,9 +191,9 @@ impl Shared {
                     let at = failure.node().and_then(|name| graph.find(name));
                     self.tell(|board| {
                         if let Some(node) = at {
-                            board.node(node, NodeState::Failed(failure.to_string()));
+                            board.set_node(node, NodeState::Failed(failure.to_string()));
                         }
-                        board.view_fails(order.state, failure.to_string());
+                        board.fail_view(order.state, failure.to_string());
                     });
                     fault = Some(failure.to_string());
                     values.push(None);
@@ -194,21 +204,21 @@ impl Shared {
         let Some(value) = values.next().flatten() else { return Ok(None) };
         let mut next = |wanted: &Option<Source>| wanted.as_ref().and_then(|_| values.next().flatten());
         let [against, drape, tint] = [&scene.against, &scene.drape, &scene.tint].map(&mut next);
-        Ok(Some(Found { value, against, drape, tint, effective_cell, fault }))
+        Ok(Some(Evaluated { value, against, drape, tint, effective_cell, fault }))
     }
 
-    /// Makes the pictures under sun and sky of what is shown, where they are not there yet.
-    fn lit(&self, order: &Order, found: Option<Found>, cancel: &Cancel) -> Result<(), Stopped> {
-        let (Some(light), Some(found)) = (order.light, found) else { return Ok(()) };
+    /// Makes the shaded pictures of the view, unless the board has them.
+    fn lit(&self, order: &Order, evaluated: Option<Evaluated>, cancel: &Cancel) -> Result<(), Stopped> {
+        let (Some(light), Some(evaluated)) = (order.light, evaluated) else { return Ok(()) };
         if lock(&self.board).is_lit(light) {
             return Ok(());
         }
-        let lit = pictures(&found, light, cancel)?;
-        self.tell(|board| board.take_light(light, lit));
+        let lit = pictures(&evaluated, light, cancel)?;
+        self.tell(|board| board.set_lit(light, lit));
         Ok(())
     }
 
-    /// Makes the part that is looked at closely.
+    /// Evaluates and shows the part that the user has zoomed in to.
     pub(super) fn detail(
         &self,
         engine: &Engine,
@@ -228,12 +238,12 @@ impl Shared {
         {
             return Ok(());
         }
-        let tell = |node, state| self.tell(|board| board.node(node, state));
-        let watch = Watcher::new(&order.graph, &tell);
-        let evaluation = match engine.evaluate(&order.graph, &wants, &watch, cancel) {
+        let tell = |node, state| self.tell(|board| board.set_node(node, state));
+        let progress = NodeProgress::new(&order.graph, &tell);
+        let evaluation = match engine.evaluate(&order.graph, &wants, &progress, cancel) {
             Ok(evaluation) => evaluation,
             Err(_) if cancel.is_cancelled() => return Err(Stopped),
-            // The whole view stays.
+            // The view keeps the picture of the whole terrain.
             Err(_) => return Ok(()),
         };
         let effective_cell = evaluation.effective_cells.first().copied().flatten();
@@ -245,35 +255,35 @@ impl Shared {
         let picture = shade::picture(&value, &scene.look, Some(range), drape.as_ref(), terrain, cancel);
         let picture = shade::tinted(picture.map_err(|_| Stopped)?, tint.as_ref());
         let (picture, bounds) = (Arc::new(picture), terrain.bounds());
-        let shown = Shown { id: Shown::next_id(), value, picture, draft: false, effective_cell, bounds };
-        self.tell(|board| board.refine(shown));
+        let shown = Shown { id: Shown::next_id(), value, picture, is_draft: false, effective_cell, bounds };
+        self.tell(|board| board.show_detail(shown));
         Ok(())
     }
 }
 
-/// What a view needs: what it shows, what that is compared with, what colours it, what is painted over it.
+/// The outputs of a scene on a grid, in the order target, comparison, drape, tint.
 fn wants(scene: &Scenery, grid: Grid) -> Vec<Want> {
     let others = [&scene.against, &scene.drape, &scene.tint].into_iter().flatten();
     let all = std::iter::once(&scene.target).chain(others);
     all.map(|s| Want { node: s.node, port: s.port.clone(), grid }).collect()
 }
 
-/// The pictures under sun and sky of what is shown and of what it is compared with; none where it is no height.
+/// The shaded pictures of the target and of the value it is compared with; `None` where the target is no height.
 fn pictures(
-    found: &Found,
+    evaluated: &Evaluated,
     light: Light,
     cancel: &Cancel,
 ) -> Result<Option<(Picture, Option<Picture>)>, Stopped> {
     let under = |value: &Value| {
-        let picture = under(value, found.drape.as_ref(), light, cancel)?;
-        Ok(picture.map(|p| shade::tinted(p, found.tint.as_ref())))
+        let picture = under(value, evaluated.drape.as_ref(), light, cancel)?;
+        Ok(picture.map(|p| shade::tinted(p, evaluated.tint.as_ref())))
     };
-    let Some(picture) = under(&found.value)? else { return Ok(None) };
-    let against = found.against.as_ref().map(under).transpose()?.flatten();
+    let Some(picture) = under(&evaluated.value)? else { return Ok(None) };
+    let against = evaluated.against.as_ref().map(under).transpose()?.flatten();
     Ok(Some((picture, against)))
 }
 
-/// The picture of heights under a light; none of what is no height.
+/// The shaded picture of a value; `None` where it is no height.
 fn under(
     value: &Value,
     drape: Option<&Value>,
@@ -283,17 +293,17 @@ fn under(
     let Some(height) = field_to_light(value) else { return Ok(None) };
     let colors = drape.and_then(|d| shade::colors(d, height.grid(), cancel));
     let color: Option<&Colors> = colors.as_ref();
-    // The water is drawn by the view itself.
+    // The view draws the water itself.
     let scene = Scene { color, sun: light.sun(), ..Scene::new(height) };
     match map(&scene, None, &Work::new(cancel)) {
         Ok(picture) => Ok(Some(picture)),
         Err(_) if cancel.is_cancelled() => Err(Stopped),
-        // The quick picture stays.
+        // The view keeps the plain picture.
         Err(_) => Ok(None),
     }
 }
 
-/// The heights of a value that can be lit.
+/// The heights of a value, where it has some and at least 2 × 2 samples.
 fn field_to_light(value: &Value) -> Option<&Field> {
     match value {
         Value::Field(f) if f.quantity() == Quantity::Elevation && f.grid().cols > 1 && f.grid().rows > 1 => {

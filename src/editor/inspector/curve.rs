@@ -1,4 +1,4 @@
-//! A curve through points, to be dragged.
+//! The widget of a curve through points.
 
 use eframe::egui::{self, Color32, Id, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use serde_json::{Value as Json, json};
@@ -6,12 +6,12 @@ use serde_json::{Value as Json, json};
 use super::value::{Edited, named};
 use crate::kit::curve::Monotone;
 
-/// Side of a point's handle.
+/// Width and height of the area in which a point can be dragged, in points of the screen.
 const HANDLE: f32 = 12.0;
-/// Least distance between two points along the curve.
+/// The least distance between two points along the horizontal axis.
 const APART: f64 = 0.001;
 
-/// Points in a square; a double click adds one or takes one away.
+/// Shows the points in a square, where they can be dragged. A double click adds a point or removes one.
 pub(super) fn edit(ui: &mut Ui, name: &str, value: &mut Json) -> Edited {
     let mut points = read(value);
     let width = ui.available_width().min(240.0);
@@ -95,7 +95,7 @@ fn round(v: f64) -> f64 {
     (v * 1000.0).round() / 1000.0
 }
 
-/// A number as the file writes it: whole ones without a point.
+/// A number as JSON; whole numbers have no decimal point.
 fn tidy(v: f64) -> Json {
     if v == v.round() { Json::from(v as i64) } else { Json::from(v) }
 }

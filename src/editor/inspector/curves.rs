@@ -1,11 +1,11 @@
-//! The panel of feature curves: which there are, and what the chosen one says at the chosen constraint point.
+//! The panel of feature curves: the list of curves, and the attributes of the chosen constraint point.
 
 use eframe::egui::{self, ComboBox, DragValue, RichText, ScrollArea, Ui, WidgetType};
 
 use super::Panel;
 use super::value::named;
 use crate::editor::drawing::sheet::Sheet;
-use crate::editor::drawing::{Drawing, Pad, Tool};
+use crate::editor::drawing::{Drawing, DrawingContext, Tool};
 use crate::graph::NodeId;
 use crate::params::Param;
 use crate::value::curves::{
@@ -13,10 +13,10 @@ use crate::value::curves::{
 };
 use crate::value::{Curve, CurveSpec};
 
-/// The button of the tool that draws curves.
+/// Shows the button of the tool that draws curves.
 pub(super) fn tool(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId) {
-    let (drawing, pad) = panel.pad(id);
-    drawing.look(&pad);
+    let (drawing, cx) = panel.drawing_context(id);
+    drawing.read(&cx);
     draw_button(ui, drawing);
 }
 
@@ -24,13 +24,13 @@ fn draw_button(ui: &mut Ui, drawing: &mut Drawing) {
     let draws = drawing.tool == Tool::Draw;
     let help = "Click for each point, or drag freely; double-click, Enter or Esc ends";
     if ui.selectable_label(draws, "✏ Draw on the terrain").on_hover_text(help).clicked() {
-        if draws { drawing.rest() } else { drawing.begin() }
+        if draws { drawing.end_tool() } else { drawing.begin_curve() }
     }
 }
 
 pub(super) fn panel(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId, param: &Param) {
-    let (drawing, mut pad) = panel.pad(id);
-    drawing.look(&pad);
+    let (drawing, mut cx) = panel.drawing_context(id);
+    drawing.read(&cx);
     let Some(Sheet::Curves(specs)) = drawing.sheet().cloned() else { return };
     ui.horizontal(|ui| {
         ui.label(RichText::new(format!("{} curves", specs.len())).strong()).on_hover_text(&param.doc);
@@ -46,7 +46,7 @@ pub(super) fn panel(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId, param: &Para
             if row.clicked() {
                 drawing.choose(Some(i));
             } else if drawing.curve == Some(i) && drawing.curve != last {
-                // It was chosen on the terrain.
+                // The curve was chosen on the terrain.
                 row.scroll_to_me(None);
             }
         }
@@ -62,15 +62,15 @@ pub(super) fn panel(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId, param: &Para
         return;
     };
     ui.separator();
-    whole(ui, drawing, &mut pad, spec);
+    whole(ui, drawing, &mut cx, spec);
     match drawing.chosen_curve().cloned().map_or_else(|| spec.build(), Ok) {
-        Ok(curve) => points(ui, drawing, &mut pad, &curve),
+        Ok(curve) => points(ui, drawing, &mut cx, &curve),
         Err(fault) => _ = ui.colored_label(crate::editor::theme::ERROR, format!("The curve {fault}")),
     }
 }
 
-/// What holds for the whole curve.
-fn whole(ui: &mut Ui, drawing: &mut Drawing, pad: &mut Pad<'_>, spec: &CurveSpec) {
+/// Shows the settings of the whole curve.
+fn whole(ui: &mut Ui, drawing: &mut Drawing, cx: &mut DrawingContext<'_>, spec: &CurveSpec) {
     ui.horizontal(|ui| {
         let mut name = spec.name.clone();
         let edit =
@@ -78,19 +78,19 @@ fn whole(ui: &mut Ui, drawing: &mut Drawing, pad: &mut Pad<'_>, spec: &CurveSpec
         let edit = ui.add(edit);
         named(&edit, WidgetType::TextEdit, "curve name");
         if edit.changed() {
-            drawing.change(pad, "Rename curve", "curve name", |s| {
+            drawing.change(cx, "Rename curve", "curve name", |s| {
                 s.name = name;
                 Ok(())
             });
         }
         if ui.button("Turn round").on_hover_text("Swaps start and end, left and right").clicked() {
-            drawing.change(pad, "Turn curve round", "", |s| {
+            drawing.change(cx, "Turn curve round", "", |s| {
                 *s = s.reversed();
                 Ok(())
             });
         }
         if ui.button("🗑").on_hover_text("Deletes the curve").clicked() {
-            drawing.remove_curve(pad);
+            drawing.remove_curve(cx);
         }
     });
     ui.horizontal(|ui| {
@@ -102,7 +102,7 @@ fn whole(ui: &mut Ui, drawing: &mut Drawing, pad: &mut Pad<'_>, spec: &CurveSpec
         let combo = ComboBox::from_id_salt("rise").selected_text(text(spec.rise)).show_ui(ui, |ui| {
             for rise in [Rise::Monotone, Rise::Free] {
                 if ui.selectable_label(spec.rise == rise, text(rise)).clicked() {
-                    drawing.change(pad, "Set rise", "", |s| {
+                    drawing.change(cx, "Set rise", "", |s| {
                         s.rise = rise;
                         Ok(())
                     });
@@ -113,8 +113,8 @@ fn whole(ui: &mut Ui, drawing: &mut Drawing, pad: &mut Pad<'_>, spec: &CurveSpec
     });
 }
 
-/// The constraint points, and the chosen one's values.
-fn points(ui: &mut Ui, drawing: &mut Drawing, pad: &mut Pad<'_>, curve: &Curve) {
+/// Shows the constraint points and the attributes of the chosen one.
+fn points(ui: &mut Ui, drawing: &mut Drawing, cx: &mut DrawingContext<'_>, curve: &Curve) {
     let points = curve.points();
     ui.horizontal_wrapped(|ui| {
         ui.label("Constraint points");
@@ -125,7 +125,7 @@ fn points(ui: &mut Ui, drawing: &mut Drawing, pad: &mut Pad<'_>, curve: &Curve) 
             }
         }
         if ui.small_button("➕").on_hover_text("In the middle of the widest gap").clicked() {
-            drawing.add_point(pad, widest_gap(&points));
+            drawing.add_point(cx, widest_gap(&points));
         }
     });
     let Some((k, point)) = drawing.point.and_then(|k| Some((k, *points.get(k)?))) else {
@@ -138,7 +138,7 @@ fn points(ui: &mut Ui, drawing: &mut Drawing, pad: &mut Pad<'_>, curve: &Curve) 
     if next != point {
         let mut all = points;
         all[k] = next;
-        drawing.change(pad, "Set constraint point", &format!("point {k}"), |spec| {
+        drawing.change(cx, "Set constraint point", &format!("point {k}"), |spec| {
             let mut changed = spec.clone();
             changed.set_points(&all);
             changed.build()?;
@@ -147,7 +147,7 @@ fn points(ui: &mut Ui, drawing: &mut Drawing, pad: &mut Pad<'_>, curve: &Curve) 
         });
     }
     if points_removable(curve) && ui.button("Remove this point").clicked() {
-        drawing.remove_point(pad, k);
+        drawing.remove_point(cx, k);
     }
 }
 
@@ -161,7 +161,7 @@ fn widest_gap(points: &[ConstraintPoint]) -> f64 {
     gaps.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.5, |(_, middle)| middle)
 }
 
-/// What a group is at first, where the curve says nothing yet.
+/// The first value of a group that the curve does not set yet.
 const SLOPE: Slope = Slope { left_extent: 300.0, right_extent: 300.0, left_angle: -30.0, right_angle: -30.0 };
 const NOISE: Noise = Noise { amplitude: 20.0, roughness: 0.4 };
 const ENVELOPE: Envelope = Envelope { left: 300.0, right: 300.0 };
@@ -190,7 +190,7 @@ fn groups(ui: &mut Ui, point: &mut ConstraintPoint, here: &ConstraintPoint) {
     });
 }
 
-/// A group that may be set at the point or not.
+/// Shows the check box of a group of attributes that the point may set.
 fn group<T: Copy>(
     ui: &mut Ui,
     title: &str,

@@ -1,4 +1,4 @@
-//! A ramp of colours, to be dragged and coloured.
+//! The widget of a ramp of colours.
 
 use eframe::egui::{self, Color32, Id, Mesh, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use serde_json::{Value as Json, json};
@@ -6,10 +6,10 @@ use serde_json::{Value as Json, json};
 use super::value::{Edited, named};
 use crate::kit::ramp::{Blend, Ramp, Stop};
 
-/// Columns that the ramp is drawn with.
+/// Number of columns in which the ramp is drawn.
 const COLUMNS: usize = 96;
 
-/// Stops below a band of colour; a double click on the band adds one, on a stop takes it away.
+/// Shows a band of colours above its stops. A double click on the band adds a stop, one on a stop removes it.
 pub(super) fn edit(ui: &mut Ui, name: &str, value: &mut Json) -> Edited {
     let mut stops = read(value);
     let width = ui.available_width().min(260.0);

@@ -1,4 +1,4 @@
-//! The graph itself: what it says about itself, its terrain, the parameters it exposes.
+//! The panel of the graph: exposed parameters, terrain, title and other texts.
 
 use eframe::egui::{self, RichText, Ui};
 
@@ -8,7 +8,7 @@ use crate::editor::shown;
 use crate::graph::{About, Exposed, terrain_params};
 use crate::params::Param;
 
-/// Exposed parameters, terrain and texts of the graph.
+/// Shows exposed parameters, terrain and texts of the graph.
 pub(crate) fn graph_panel(ui: &mut Ui, panel: &mut Panel<'_>) {
     exposed(ui, panel);
     ui.separator();
@@ -55,7 +55,7 @@ fn one(ui: &mut Ui, panel: &mut Panel<'_>, name: &str, own: &Exposed, param: &Pa
     if edited != Edited::No && next != own.value {
         panel.apply(&format!("Set {name}"), &format!("exposed {name}"), |g| g.set_exposed(name, next));
         if edited == Edited::Done {
-            panel.document.rest();
+            panel.document.end_gesture();
         }
     }
 }
@@ -74,7 +74,7 @@ fn terrain(ui: &mut Ui, panel: &mut Panel<'_>) {
             let label = format!("Set terrain {}", param.name);
             panel.apply(&label, &label, |g| g.set_terrain(&param.name, next));
             if edited == Edited::Done {
-                panel.document.rest();
+                panel.document.end_gesture();
             }
         }
     }

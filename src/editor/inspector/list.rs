@@ -1,4 +1,4 @@
-//! Lists of values: a row an item, to add, remove and bring to another place.
+//! The widget of lists: one row an item; items can be added, removed and moved.
 
 use eframe::egui::{self, ScrollArea, Ui};
 use serde_json::Value as Json;
@@ -8,7 +8,7 @@ use super::value::{Edited, Field, edit as edit_value, fresh};
 use crate::params::Shape;
 use crate::widget::Widget;
 
-/// Items shown at once; longer lists scroll in pages.
+/// Items on a page; longer lists have several pages.
 const PAGE: usize = 100;
 
 pub(super) fn edit(
@@ -71,7 +71,7 @@ pub(super) fn edit(
     edited
 }
 
-/// Numbers that always come together, side by side.
+/// Shows a list of fixed length side by side.
 fn fixed(ui: &mut Ui, field: &Field<'_>, item: &Shape, items: &mut [Json]) -> Edited {
     let axes: &[&str] = if field.widget == Some(Widget::Point) { &["east", "south"] } else { &[] };
     let row = ui.horizontal(|ui| {

@@ -1,4 +1,4 @@
-//! The panel of parameters: made from the schema of the kinds, so that a new kind has its panel by itself.
+//! The panel of parameters. It is made from the schema of the kinds, so that a new kind needs no panel of its own.
 
 mod curve;
 mod curves;
@@ -22,7 +22,7 @@ use eframe::egui::{self, Color32, RichText, Ui};
 use serde_json::Value as Json;
 
 use super::document::Document;
-use super::drawing::{Drawing, Pad};
+use super::drawing::{Drawing, DrawingContext};
 use super::notices::Notices;
 use super::ops;
 use super::theme;
@@ -34,12 +34,12 @@ use crate::params::page::{Section, sections};
 use crate::widget::Widget;
 use value::{Edited, Field};
 
-/// What the panel works with for a frame.
+/// What the panel borrows for a frame.
 pub(crate) struct Panel<'a> {
     pub(crate) document: &'a mut Document,
     pub(crate) notices: &'a mut Notices,
     pub(crate) drawing: &'a mut Drawing,
-    /// Asks for a file for a parameter; the answer comes later.
+    /// Opens the file dialog for the parameter of a name; the answer arrives in a later frame.
     pub(crate) pick_file: &'a dyn Fn(&str),
 }
 
@@ -48,10 +48,10 @@ impl Panel<'_> {
         self.document.graph()
     }
 
-    /// The drawing of a node, and what it works with.
-    fn pad(&mut self, node: NodeId) -> (&mut Drawing, Pad<'_>) {
-        let pad = Pad { document: self.document, notices: self.notices, node: Some(node) };
-        (self.drawing, pad)
+    /// The drawing and its context, for a node.
+    fn drawing_context(&mut self, node: NodeId) -> (&mut Drawing, DrawingContext<'_>) {
+        let cx = DrawingContext { document: self.document, notices: self.notices, node: Some(node) };
+        (self.drawing, cx)
     }
 
     fn apply(
@@ -66,7 +66,7 @@ impl Panel<'_> {
     }
 }
 
-/// The parameters of the chosen nodes: those of one node, or of several of one kind at once.
+/// Shows the parameters of the chosen node, or of several nodes of one kind at once.
 pub(crate) fn nodes_panel(ui: &mut Ui, panel: &mut Panel<'_>, chosen: &BTreeSet<NodeId>) {
     let ids: Vec<NodeId> = chosen.iter().copied().filter(|id| panel.graph().get(*id).is_some()).collect();
     let Some(&first) = ids.first() else {
@@ -114,7 +114,7 @@ fn problems(ui: &mut Ui, panel: &Panel<'_>, id: NodeId) {
     }
 }
 
-/// The manual page of a kind.
+/// Shows the manual page of a kind.
 fn page(ui: &mut Ui, kind: &Kind) {
     egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
         for part in kind.doc().split("\n\n") {
@@ -127,7 +127,7 @@ fn page(ui: &mut Ui, kind: &Kind) {
     });
 }
 
-/// What stands in a list or an object.
+/// Shows the documentation of the values in a list or an object.
 fn inside(ui: &mut Ui, section: &Section) {
     ui.strong(format!("In {}", section.name));
     ui.label(&section.form);
@@ -140,7 +140,7 @@ fn inside(ui: &mut Ui, section: &Section) {
     }
 }
 
-/// The name of a node, to be changed by typing.
+/// Shows the field for the name of a node.
 fn name(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId) {
     let field = ui.id().with(("name", id));
     let own = panel.graph().node(id).name.clone();
@@ -166,7 +166,7 @@ pub(crate) fn name_field(ui: &Ui, id: NodeId) -> egui::Id {
     ui.id().with(("name", id)).with("edit")
 }
 
-/// One parameter of some nodes of a kind.
+/// Shows one parameter of some nodes of a kind.
 fn parameter(ui: &mut Ui, panel: &mut Panel<'_>, ids: &[NodeId], param: &Param) {
     if let [id] = *ids {
         match param.widget {
@@ -208,7 +208,7 @@ fn parameter(ui: &mut Ui, panel: &mut Panel<'_>, ids: &[NodeId], param: &Param) 
     let gesture = format!("set {:?}.{}", ids, param.name);
     panel.apply(&label, &gesture, |graph| ops::set(graph, ids, &param.name, next));
     if edited == Edited::Done {
-        panel.document.rest();
+        panel.document.end_gesture();
     }
 }
 
@@ -234,7 +234,7 @@ fn parameter_menu(
     if ui.add_enabled(changed && exposed.is_none(), egui::Button::new("Reset to default")).clicked() {
         let label = format!("Reset {}", path_of(panel.graph(), ids, param));
         panel.apply(&label, "", |g| ids.iter().try_for_each(|id| g.reset(*id, &param.name)));
-        panel.document.rest();
+        panel.document.end_gesture();
         ui.close();
     }
     match exposed {
@@ -249,7 +249,7 @@ fn parameter_menu(
             let (name, binds) = exposure(panel.graph(), ids, param);
             let exposed = Exposed { bind: binds, label: param.name.replace('_', " "), ..Exposed::default() };
             panel.apply("Expose", "", |g| g.expose(&name, exposed));
-            panel.document.rest();
+            panel.document.end_gesture();
             ui.close();
         }
         None => (),
@@ -264,7 +264,7 @@ fn parameter_menu(
     }
 }
 
-/// A free name for an exposed parameter, and what it binds.
+/// A free name for an exposed parameter, and the parameters that it binds.
 fn exposure(graph: &Graph, ids: &[NodeId], param: &Param) -> (String, Vec<String>) {
     let bind = |id: &NodeId| format!("{}.{}", graph.node(*id).name, param.name);
     let taken = |name: &str| graph.exposed().any(|(n, _)| n == name);
@@ -275,7 +275,7 @@ fn exposure(graph: &Graph, ids: &[NodeId], param: &Param) -> (String, Vec<String
     (name, ids.iter().map(bind).collect())
 }
 
-/// What the history calls a parameter of nodes.
+/// The name of a parameter of nodes in the history.
 fn path_of(graph: &Graph, ids: &[NodeId], param: &Param) -> String {
     match ids {
         [id] => format!("{}.{}", graph.node(*id).name, param.name),
@@ -283,12 +283,12 @@ fn path_of(graph: &Graph, ids: &[NodeId], param: &Param) -> String {
     }
 }
 
-/// The value that a parameter of a node has.
+/// The value of a parameter of a node.
 fn current(graph: &Graph, id: NodeId, param: &Param) -> Json {
     graph.node(id).set.get(&param.name).cloned().unwrap_or_else(|| param.default.clone())
 }
 
-/// The seed that was there before the last throw of the dice.
+/// The seed before the last throw of the dice.
 fn previous(ui: &Ui, ids: &[NodeId], param: &Param) -> Option<Json> {
     let key = egui::Id::new(("previous", ids.first(), &param.name));
     let text = ui.data(|d| d.get_temp::<String>(key))?;

@@ -7,12 +7,12 @@ use super::value::named;
 use crate::editor::theme::{CHOSEN, note_color};
 use crate::graph::NoteColor;
 
-/// Where the wish to type a title is left for the panel.
+/// The id under which egui stores that the title gets the focus in the next frame.
 pub(crate) fn focus_note() -> egui::Id {
     egui::Id::new("title next")
 }
 
-/// Title, text and colour of a note.
+/// Shows title, text and colour of a note.
 pub(crate) fn note_panel(ui: &mut Ui, panel: &mut Panel<'_>, name: &str) {
     let Some(own) = panel.graph().note(name).cloned() else { return };
     let mut next = own.clone();
@@ -21,7 +21,7 @@ pub(crate) fn note_panel(ui: &mut Ui, panel: &mut Panel<'_>, name: &str) {
     named(&title, egui::WidgetType::TextEdit, "Note title");
     if ui.ctx().data_mut(|d| d.remove_temp::<bool>(focus_note())).is_some() {
         title.request_focus();
-        // What is typed replaces the title that every note starts with.
+        // The initial title is selected, so that typing replaces it.
         if let Some(mut state) = egui::TextEdit::load_state(ui.ctx(), title.id) {
             let end = egui::text::CCursor::new(next.title.chars().count());
             state

@@ -1,4 +1,4 @@
-//! Widgets for numbers: sliders over the usual range that can be typed beyond it, and seeds with dice.
+//! Widgets of numbers: sliders over the usual range, fields in which any allowed number can be typed, seeds with dice.
 
 use eframe::egui::{self, DragValue, Slider, SliderClamping, Ui};
 use serde_json::Value as Json;
@@ -7,7 +7,7 @@ use super::value::{Edited, Field, named};
 use crate::kit::hash;
 use crate::params::Shape;
 
-/// Ranges wider than this have no slider without a soft range.
+/// The width of a range above which there is a slider only where the parameter has a soft range.
 const WIDE: f64 = 1.0e5;
 
 struct Range {
@@ -23,13 +23,13 @@ fn range(shape: &Shape) -> Range {
     }
 }
 
-/// A number as JSON; whole ones without a point.
+/// A number as JSON; whole numbers have no decimal point.
 fn written(value: f64, range: &Range) -> Json {
     let value = value.clamp(range.min, range.max);
     if range.integer || (value.fract() == 0.0 && value.abs() < 1e15) {
         return Json::from(value.round() as i64);
     }
-    // What a slider gives has digits that nobody meant.
+    // A slider gives more digits than the user can choose, so that the number is rounded to six.
     let digits = 5 - libm::log10(value.abs()).floor() as i32;
     let scale = libm::pow(10.0, f64::from(digits.clamp(0, 9)));
     Json::from((value * scale).round() / scale)
@@ -43,7 +43,8 @@ fn suffix(unit: Option<&str>) -> String {
     }
 }
 
-/// A slider over the soft range where there is one, else over the whole where it is not too wide.
+/// Shows a slider over the soft range, or over the whole range where there is no soft one and the whole is not too
+/// wide.
 pub(super) fn edit(ui: &mut Ui, field: &Field<'_>, value: &mut Json) -> Edited {
     let range = range(field.shape);
     let usual = field.soft.or_else(|| (range.max - range.min <= WIDE).then_some([range.min, range.max]));
@@ -58,14 +59,14 @@ pub(super) fn edit(ui: &mut Ui, field: &Field<'_>, value: &mut Json) -> Edited {
         .smart_aim(true)
         .max_decimals(if range.integer { 0 } else { 4 })
         .integer_if(range.integer)
-        // What is typed counts once it is whole.
+        // A typed number takes effect when the field is left, not at every digit.
         .update_while_editing(false)
         .suffix(suffix(field.unit));
     let moved = ui.add(slider);
     let hint = format!("{} to {}{}", range.min, range.max, suffix(field.unit));
     let moved = moved.on_hover_text(format!("{hint}; click the number to type"));
     named(&moved, egui::WidgetType::Slider, field.name);
-    // A field that was only looked into says that it changed, too.
+    // A field that was opened and left unchanged reports a change, too.
     if moved.changed() && Some(number) != value.as_f64() {
         *value = written(number, &range);
     }
@@ -82,7 +83,7 @@ impl IntegerIf for Slider<'_> {
     }
 }
 
-/// A number without a slider.
+/// Shows a number without a slider.
 pub(super) fn bare(ui: &mut Ui, field: &Field<'_>, value: &mut Json) -> Edited {
     let range = range(field.shape);
     let mut number = value.as_f64().unwrap_or_default();
@@ -97,14 +98,14 @@ pub(super) fn bare(ui: &mut Ui, field: &Field<'_>, value: &mut Json) -> Edited {
         .suffix(suffix(field.unit));
     let moved = ui.add(drag);
     named(&moved, egui::WidgetType::DragValue, field.name);
-    // A field that was only looked into says that it changed, too.
+    // A field that was opened and left unchanged reports a change, too.
     if moved.changed() && Some(number) != value.as_f64() {
         *value = written(number, &range);
     }
     Edited::of(&moved)
 }
 
-/// A seed: to type, to throw the dice, to step back.
+/// Shows a seed, with buttons for a random one and for the one before.
 pub(super) fn seed(ui: &mut Ui, field: &Field<'_>, value: &mut Json) -> Edited {
     let row = ui.horizontal(|ui| {
         let mut edited = bare(ui, field, value);

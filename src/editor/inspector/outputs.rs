@@ -1,4 +1,4 @@
-//! The outputs of the graph: what a build writes.
+//! The panel of outputs, the files that a build writes.
 
 use eframe::egui::{self, ComboBox, DragValue, RichText, Ui};
 
@@ -8,7 +8,7 @@ use crate::editor::shown;
 use crate::files::{Format, Target};
 use crate::graph::{NodeId, Output, Problem};
 
-/// The outputs, and a button that makes the chosen node one.
+/// Shows the outputs, and a button that makes the chosen node an output.
 pub(crate) fn outputs_panel(ui: &mut Ui, panel: &mut Panel<'_>, chosen: Option<NodeId>) {
     let outputs: Vec<(String, Output)> =
         panel.graph().outputs().map(|(name, o)| (name.to_owned(), o.clone())).collect();
@@ -40,7 +40,7 @@ fn add(ui: &mut Ui, panel: &mut Panel<'_>, chosen: Option<NodeId>) {
         let mut names = std::iter::once(name.clone()).chain((2..).map(|k| format!("{name}_{k}")));
         let name = names.find(|n| !taken(n)).unwrap_or_default();
         panel.apply("Add output", "", |g| g.add_output(&name, Output { from, ..Output::default() }));
-        panel.document.rest();
+        panel.document.end_gesture();
     }
 }
 

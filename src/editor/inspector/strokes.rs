@@ -1,4 +1,4 @@
-//! The panel of a painted mask: the brush, and what is painted.
+//! The panel of a painted mask: the brush and the strokes.
 
 use eframe::egui::{self, RichText, Slider, Ui, WidgetType};
 
@@ -12,8 +12,8 @@ use crate::params::Param;
 pub(super) fn panel(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId, param: &Param) {
     let terrain = panel.graph().terrain();
     let long = terrain.width.max(terrain.depth);
-    let (drawing, mut pad) = panel.pad(id);
-    drawing.look(&pad);
+    let (drawing, mut cx) = panel.drawing_context(id);
+    drawing.read(&cx);
     let Some(Sheet::Strokes(strokes)) = drawing.sheet() else { return };
     let numbers: usize = strokes.iter().map(|s| s.path.len()).sum();
     let count = strokes.len();
@@ -30,7 +30,7 @@ pub(super) fn panel(ui: &mut Ui, panel: &mut Panel<'_>, id: NodeId, param: &Para
             drawing.brush.value.0 = 0.0;
         }
         if ui.add_enabled(count > 0, egui::Button::new("Clear")).clicked() {
-            drawing.clear(&mut pad);
+            drawing.clear(&mut cx);
         }
     });
     let brush = &mut drawing.brush;

@@ -1,4 +1,4 @@
-//! Widgets for values by their shape; what is inside a value has its own.
+//! Widgets of values, chosen by their shape; values inside a value have widgets of their own.
 
 use eframe::egui::{self, ComboBox, Response, RichText, Ui, WidgetText};
 use serde_json::{Map, Value as Json, json};
@@ -9,14 +9,14 @@ use crate::params::{Choice, Param, Shape};
 use crate::text::printable_lines;
 use crate::widget::Widget;
 
-/// What a hand did to a value.
+/// How the user changed a value in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Edited {
-    /// Nothing.
+    /// The value is unchanged.
     No,
-    /// It is changing and may go on to.
+    /// The value has changed and the gesture may go on.
     Going,
-    /// It has changed in one step.
+    /// The value has changed in one step.
     Done,
 }
 
@@ -34,7 +34,7 @@ impl Edited {
     }
 }
 
-/// A value to be edited: what is known of it.
+/// The description of a value that is edited.
 pub(super) struct Field<'a> {
     pub(super) name: &'a str,
     pub(super) doc: &'a str,
@@ -42,13 +42,13 @@ pub(super) struct Field<'a> {
     pub(super) unit: Option<&'a str>,
     pub(super) soft: Option<[f64; 2]>,
     pub(super) widget: Option<Widget>,
-    /// The value before, for a step back.
+    /// The value before the last change, where a widget offers to restore it.
     pub(super) previous: Option<&'a Json>,
     pub(super) pick_file: &'a dyn Fn(&str),
 }
 
 impl<'a> Field<'a> {
-    /// A parameter inside a value.
+    /// The description of a parameter.
     pub(super) fn of(param: &'a Param, pick_file: &'a dyn Fn(&str)) -> Self {
         Self {
             name: &param.name,
@@ -62,14 +62,14 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// A part of this value that has a shape of its own and no name.
+    /// The description of a part of this value, which has a shape of its own and no name.
     pub(super) fn part(&self, shape: &'a Shape) -> Self {
         Self { shape, previous: None, widget: None, soft: None, ..*self }
     }
 
     fn is_tall(&self) -> bool {
         match self.shape {
-            // Some numbers that always come together fit beside their name.
+            // A list of a fixed number of numbers fits beside its name.
             Shape::List { item, min, max } => min != max || !matches!(**item, Shape::Number { .. }),
             Shape::Record(_) => true,
             Shape::Choice(modes) => modes.iter().any(|m| !m.fields.is_empty()),
@@ -79,7 +79,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// A row of a label and a widget; the label has the help text and answers the right button.
+/// Shows a label and a widget in a row; returns the response of the label, which has the help text and the menu.
 pub(super) fn labelled(
     ui: &mut Ui,
     field: &Field<'_>,
@@ -112,7 +112,7 @@ pub(super) fn labelled(
     shown.inner
 }
 
-/// A widget for a value.
+/// Shows the widget of a value.
 pub(super) fn edit(ui: &mut Ui, field: &Field<'_>, value: &mut Json) -> Edited {
     match (field.widget, field.shape) {
         (Some(Widget::Curve), _) => return curve::edit(ui, field.name, value),
@@ -145,7 +145,7 @@ fn flag(ui: &mut Ui, name: &str, value: &mut Json) -> Edited {
     Edited::of(&toggled)
 }
 
-/// Gives a field for text a name beside what is typed in it.
+/// Gives a text field a name, beside its text.
 pub(crate) fn named_text(response: &Response, text: &str, name: &str) {
     response.widget_info(|| egui::WidgetInfo {
         label: Some(name.to_owned()),
@@ -153,7 +153,7 @@ pub(crate) fn named_text(response: &Response, text: &str, name: &str) {
     });
 }
 
-/// Gives a widget without a text of its own a name for assistive technology, and for tests.
+/// Gives a widget without a text a name, for assistive technology and for tests.
 pub(crate) fn named(response: &Response, kind: egui::WidgetType, name: &str) {
     response.widget_info(|| egui::WidgetInfo::labeled(kind, true, name));
 }
@@ -168,7 +168,7 @@ fn text(ui: &mut Ui, name: &str, max: usize, value: &mut Json) -> Edited {
     let changed = ui.add(edit.char_limit(max).desired_width(f32::INFINITY));
     named(&changed, egui::WidgetType::TextEdit, name);
     *value = Json::from(text);
-    // Typing is one change until the field is left.
+    // All typing until the field is left is one change.
     match (changed.changed(), changed.lost_focus()) {
         (true, _) => Edited::Going,
         (false, true) => Edited::Done,
@@ -214,7 +214,7 @@ fn choice(ui: &mut Ui, field: &Field<'_>, modes: &[Choice], value: &mut Json) ->
     edited
 }
 
-/// The mode of a choice: a word, or the one key of an object.
+/// The mode of a choice: the string itself, or the only key of an object.
 pub(super) fn mode_of(value: &Json) -> Option<&str> {
     match value {
         Json::String(name) => Some(name),
@@ -223,7 +223,7 @@ pub(super) fn mode_of(value: &Json) -> Option<&str> {
     }
 }
 
-/// A mode with its fields as they are by default.
+/// A mode with the default values of its fields.
 fn made(mode: &Choice) -> Json {
     if mode.fields.is_empty() {
         return Json::from(mode.name.as_str());
@@ -232,7 +232,7 @@ fn made(mode: &Choice) -> Json {
     json!({ mode.name.as_str(): fields.collect::<Map<_, _>>() })
 }
 
-/// A value to start from: the default, else the least that the shape allows.
+/// The initial value: the default, or the least value that the shape allows.
 pub(super) fn fresh(shape: &Shape, default: &Json) -> Json {
     if !default.is_null() {
         return default.clone();
@@ -280,7 +280,7 @@ fn record(ui: &mut Ui, field: &Field<'_>, params: &[Param], value: &mut Json) ->
     }
 }
 
-/// The named values inside a value.
+/// Shows the named values inside a value.
 pub(super) fn fields(
     ui: &mut Ui,
     field: &Field<'_>,

@@ -9,7 +9,7 @@ use crate::value::Field;
 /// Columns of a histogram.
 const BINS: usize = 96;
 
-/// A place for a chart that says what would be there.
+/// Paints a text in the place of a chart.
 pub(crate) fn hint(ui: &mut Ui, size: Vec2, text: &str) {
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     ui.painter().rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
@@ -17,7 +17,7 @@ pub(crate) fn hint(ui: &mut Ui, size: Vec2, text: &str) {
     ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), color);
 }
 
-/// Heights along a line, over its length in metres.
+/// Paints the values along a line over its length in metres.
 pub(crate) fn profile(ui: &mut Ui, size: Vec2, values: &[f32], length: f64, unit: &str) {
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let (low, high) = values.iter().fold((f32::MAX, f32::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
@@ -46,14 +46,14 @@ pub(crate) fn profile(ui: &mut Ui, size: Vec2, values: &[f32], length: f64, unit
     }
 }
 
-/// How often each value comes.
+/// Paints a histogram of the values of a field.
 pub(crate) fn histogram(ui: &mut Ui, size: Vec2, field: &Field) {
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter();
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
     let Some((low, high)) = field.range().filter(|(a, b)| b > a) else { return };
     let mut bins = [0u32; BINS];
-    // A part of the samples tells the shape.
+    // Every n-th sample is enough for the shape of the histogram.
     let step = (field.data().len() / 100_000).max(1);
     for v in field.data().iter().step_by(step) {
         let t = ((v - low) / (high - low)).clamp(0.0, 1.0);

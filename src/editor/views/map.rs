@@ -9,13 +9,13 @@ use super::chart;
 use super::space::Flat;
 use super::wipe::Wipe;
 use crate::editor::board::{Board, Shown};
-use crate::editor::canvas::camera::{Camera, View};
-use crate::editor::drawing::{Drawing, Pad};
+use crate::editor::canvas::camera::{Camera, Viewport};
+use crate::editor::drawing::{Drawing, DrawingContext};
 use crate::editor::shade::Look;
 use crate::editor::{image_of, theme};
 use crate::value::{Bounds, Field, Grid, Quantity, Sketch, Value};
 
-/// Most samples of a finer part.
+/// The most samples of a finer part.
 const MOST: usize = 4 << 20;
 
 /// The state of the flat view.
@@ -23,17 +23,17 @@ pub(crate) struct MapView {
     pub(crate) look: Look,
     /// Whether the profile and the histogram are shown.
     pub(crate) charts: bool,
-    /// Samples along the longer side; none for as many as the view can show.
+    /// Samples along the longer side; `None` for as many as the view can show.
     pub(crate) samples: Option<u32>,
     camera: Option<Camera>,
     texture: Option<(u64, TextureHandle)>,
-    /// The texture of what is compared with it.
+    /// The texture of the value in comparison.
     other: Option<(u64, TextureHandle)>,
     /// The texture of the finer part.
     fine: Option<(u64, TextureHandle)>,
-    /// What is seen closely: a window of a finer lattice.
+    /// The part that the user has zoomed in to: a window of a finer lattice.
     closer: Option<Grid>,
-    /// A line on the terrain, in metres.
+    /// The ends of the line of the profile, in metres.
     profile: Option<[[f64; 2]; 2]>,
     drawing: bool,
 }
@@ -54,12 +54,12 @@ impl MapView {
         }
     }
 
-    /// Shows the whole terrain again.
+    /// Fits the view to the whole terrain.
     pub(crate) fn show_all(&mut self) {
         self.camera = None;
     }
 
-    /// Samples along the longer side that the view can use.
+    /// Samples along the longer side for a view of this size in pixels.
     pub(crate) fn wanted(&self, pixels: Vec2) -> u32 {
         if let Some(samples) = self.samples {
             return samples;
@@ -69,18 +69,18 @@ impl MapView {
         fit.unwrap_or(1025)
     }
 
-    /// The part that is looked at so closely that the whole view has too few samples for it.
+    /// The part that the user has zoomed in to so far that the samples of the whole are larger than pixels.
     pub(crate) fn closer(&self) -> Option<Grid> {
         self.closer
     }
 
-    /// Finds out what is looked at closely, once the hand rests.
-    fn look_closer(&mut self, ui: &Ui, view: &View, shown: &Shown) {
+    /// Finds the part that the user has zoomed in to, while neither button nor wheel is used.
+    fn look_closer(&mut self, ui: &Ui, view: &Viewport, shown: &Shown) {
         let moving = ui.input(|i| i.pointer.any_down() || i.smooth_scroll_delta() != Vec2::ZERO);
         if moving {
             return;
         }
-        let whole = shown.value.grid().filter(|_| !shown.draft);
+        let whole = shown.value.grid().filter(|_| !shown.is_draft);
         self.closer = whole.and_then(|whole| {
             let pixels = f64::from(view.zoom() * ui.pixels_per_point());
             let pixel = 1.0 / (unit(&shown.bounds) * pixels);
@@ -88,7 +88,7 @@ impl MapView {
             let fine = whole.refined(factor);
             let corners = [view.screen.min, view.screen.max].map(|p| to_metres(view.world(p), shown));
             let seen = Grid::covering(fine.lattice, Bounds { min: corners[0], max: corners[1] });
-            // In steps, so that a small movement asks for nothing new.
+            // The window is rounded outwards to blocks of 64 samples, so that small movements need no evaluation.
             let [col, row] = [seen.col, seen.row].map(|v| v.div_euclid(64) * 64);
             let [end_col, end_row] = [seen.col_end(), seen.row_end()].map(|v| (v.div_euclid(64) + 1) * 64);
             let window = Grid::between(fine.lattice, [col, row], [end_col, end_row]).intersection(&fine);
@@ -102,14 +102,14 @@ impl MapView {
         board: &Board,
         wipe: &mut Wipe,
         drawing: &mut Drawing,
-        pad: &mut Pad<'_>,
+        cx: &mut DrawingContext<'_>,
     ) {
         let (screen, ground) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         ground.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "map view"));
         ui.painter().rect_filled(screen, 0.0, ui.visuals().extreme_bg_color);
         self.texture(ui, board);
-        let bounds = pad.document.graph().terrain().bounds();
-        let view = self.travel(ui, screen, &ground, &bounds, drawing.holds());
+        let bounds = cx.document.graph().terrain().bounds();
+        let view = self.travel(ui, screen, &ground, &bounds, drawing.takes_primary_button());
         let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(screen));
         ui.set_clip_rect(screen.intersect(ui.clip_rect()));
         let shown = board.shown.as_ref();
@@ -121,7 +121,7 @@ impl MapView {
             Some(shown) => {
                 self.look_closer(&ui, &view, shown);
                 self.pictures(&ui, &view, board, shown, &bounds, wipe);
-                self.profile(&ui, &view, &ground, shown, drawing.holds());
+                self.profile(&ui, &view, &ground, shown, drawing.takes_primary_button());
             }
         }
         let is_raster = shown.is_some_and(|s| s.value.grid().is_some());
@@ -129,7 +129,7 @@ impl MapView {
             wipe.show(&ui, screen);
         }
         let height = shown.and_then(|s| elevation(&s.value));
-        drawing.show(&ui, &Flat { view, bounds, height }, &ground, pad);
+        drawing.show(&ui, &Flat { view, bounds, height }, &ground, cx);
         let Some(shown) = shown else { return };
         let pointer = ui.input(|i| i.pointer.hover_pos()).filter(|p| ground.hovered() && screen.contains(*p));
         let inside = |d: &&Shown| pointer.is_none_or(|p| view.rect(extent(d, &bounds)).contains(p));
@@ -140,12 +140,12 @@ impl MapView {
         super::stale(&ui, screen, board);
     }
 
-    /// The picture of what is shown, its finer part, and what it is compared with.
-    fn pictures(&self, ui: &Ui, view: &View, board: &Board, shown: &Shown, bounds: &Bounds, wipe: &Wipe) {
+    /// Paints the picture of the value, its finer part, and the value in comparison.
+    fn pictures(&self, ui: &Ui, view: &Viewport, board: &Board, shown: &Shown, bounds: &Bounds, wipe: &Wipe) {
         let painter = ui.painter();
         let Some((_, texture)) = &self.texture else { return };
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        // Lines are drawn where they are.
+        // Lines are drawn as lines and not as a picture.
         if let Value::Object(object) = &shown.value
             && let Sketch::Lines(lines) = object.sketch()
         {
@@ -165,7 +165,7 @@ impl MapView {
     }
 
     fn empty(&self, ui: &Ui, screen: Rect, board: &Board) {
-        let text = match (&board.failure, board.busy) {
+        let text = match (&board.failure, board.is_busy) {
             (Some((_, why)), _) => why.clone(),
             (None, true) => "Working…".to_owned(),
             (None, false) => "Select a node to see its terrain.".to_owned(),
@@ -182,7 +182,7 @@ impl MapView {
         };
         if self.texture.as_ref().is_none_or(|(n, _)| *n != shown.id) {
             let magnification =
-                if shown.draft { egui::TextureFilter::Linear } else { egui::TextureFilter::Nearest };
+                if shown.is_draft { egui::TextureFilter::Linear } else { egui::TextureFilter::Nearest };
             let options = TextureOptions { magnification, ..TextureOptions::LINEAR };
             let load = |name: &str, shown: &Shown| {
                 (shown.id, ui.ctx().load_texture(name, image_of(&shown.picture), options))
@@ -201,7 +201,7 @@ impl MapView {
         }
     }
 
-    /// Pans and zooms. The canvas of this view is the terrain, in units of a thousandth of its longer side.
+    /// Pans and zooms. The camera's unit is a thousandth of the longer side of the terrain.
     fn travel(
         &mut self,
         ui: &Ui,
@@ -209,7 +209,7 @@ impl MapView {
         ground: &egui::Response,
         bounds: &Bounds,
         drawing: bool,
-    ) -> View {
+    ) -> Viewport {
         let whole = unit_rect(bounds);
         let room = (screen.size() - vec2(16.0, 16.0)).max(vec2(40.0, 40.0));
         let zoom = (room.x / whole.width()).min(room.y / whole.height());
@@ -220,7 +220,7 @@ impl MapView {
             let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
             let factor = pinch * libm::expf(scroll * 0.004);
             if factor != 1.0 {
-                let fixed = View { camera, screen }.world(at).to_vec2();
+                let fixed = Viewport { camera, screen }.world(at).to_vec2();
                 let zoom = (camera.zoom * factor).clamp(0.05, 200.0);
                 camera.middle = fixed + (camera.middle - fixed) * (camera.zoom / zoom);
                 camera.zoom = zoom;
@@ -235,13 +235,13 @@ impl MapView {
         if ground.double_clicked() && !drawing {
             camera = all;
         }
-        // As long as nobody looks elsewhere, the whole is shown, however the window changes.
+        // Until the user pans or zooms, the view stays fitted to the terrain when the window is resized.
         self.camera = (camera != all).then_some(camera);
-        View { camera, screen }
+        Viewport { camera, screen }
     }
 
-    /// Draws the line of the profile: Shift and drag.
-    fn profile(&mut self, ui: &Ui, view: &View, ground: &egui::Response, shown: &Shown, drawing: bool) {
+    /// Handles Shift-drag, which draws the line of the profile, and paints the line.
+    fn profile(&mut self, ui: &Ui, view: &Viewport, ground: &egui::Response, shown: &Shown, drawing: bool) {
         let metres = |p: Pos2| to_metres(view.world(p), shown);
         let shift = ui.input(|i| i.modifiers.shift);
         if ground.drag_started_by(PointerButton::Primary) && shift && !drawing {
@@ -264,7 +264,7 @@ impl MapView {
         }
     }
 
-    fn read_out(&self, ui: &Ui, view: &View, screen: Rect, pointer: Option<Pos2>, shown: &Shown) {
+    fn read_out(&self, ui: &Ui, view: &Viewport, screen: Rect, pointer: Option<Pos2>, shown: &Shown) {
         let mut parts = Vec::new();
         if let Some(pointer) = pointer {
             let at = to_metres(view.world(pointer), shown);
@@ -274,7 +274,7 @@ impl MapView {
                 parts.extend(value_at(&shown.value, at));
             }
         }
-        if shown.draft {
+        if shown.is_draft {
             parts.push("draft".to_owned());
         } else if let Some(cell) = shown.effective_cell {
             parts.push(format!("detail to {cell:.1} m"));
@@ -287,7 +287,7 @@ impl MapView {
         ui.painter().galley(at.min, galley, Color32::WHITE);
     }
 
-    /// The profile along the drawn line and the histogram of all values.
+    /// Shows the profile along the drawn line and the histogram of all values.
     pub(crate) fn charts(&self, ui: &mut Ui, board: &Board) {
         let Some(Value::Field(field)) = board.shown.as_ref().map(|s| &s.value) else {
             ui.weak("Charts show fields.");
@@ -312,7 +312,7 @@ fn length([a, b]: [[f64; 2]; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Values of a field along a line.
+/// The values of a field along a line.
 fn along(field: &Field, [a, b]: [[f64; 2]; 2]) -> Vec<f32> {
     let steps = 400;
     let at = |k: i32| {
@@ -322,7 +322,7 @@ fn along(field: &Field, [a, b]: [[f64; 2]; 2]) -> Vec<f32> {
     (0..=steps).map(at).collect()
 }
 
-/// A field between its samples; beyond its border the border's value.
+/// The interpolated value of a field at a place; beyond the border, the value at the border.
 pub(super) fn sample(field: &Field, at: [f64; 2]) -> f32 {
     let grid = field.grid();
     let [u, v] = grid.lattice.steps(at[0], at[1]);
@@ -339,7 +339,7 @@ pub(super) fn sample(field: &Field, at: [f64; 2]) -> f32 {
     top + (bottom - top) * t
 }
 
-/// The heights of a value that has some.
+/// The heights of a value, where it is an elevation.
 fn elevation(value: &Value) -> Option<&Field> {
     match value {
         Value::Field(field) if field.quantity() == Quantity::Elevation => Some(field),

@@ -3,7 +3,7 @@
 use eframe::egui::Pos2;
 
 use super::map::{sample, unit};
-use crate::editor::canvas::camera::View;
+use crate::editor::canvas::camera::Viewport;
 use crate::editor::drawing::Space;
 use crate::value::{Bounds, Field};
 
@@ -14,7 +14,7 @@ const RELIEF: f64 = 500.0;
 
 /// The map: places by their position alone.
 pub(crate) struct Flat<'a> {
-    pub(crate) view: View,
+    pub(crate) view: Viewport,
     pub(crate) bounds: Bounds,
     /// Heights of the ground, where they are known.
     pub(crate) height: Option<&'a Field>,

@@ -1,27 +1,27 @@
-//! A line between two terrains that are compared, to be dragged across.
+//! The line between two compared terrains, which can be dragged across the view.
 
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, Id, Pos2, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2,
 };
 
-/// Where the line is: a share of the width of the view.
+/// The state of the comparison. The place of the line is a share of the width of the view.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Wipe {
     share: f32,
-    /// Whether something is compared.
-    pub(crate) on: bool,
-    /// What is on the left and on the right.
+    /// Whether two values are compared.
+    pub(crate) is_on: bool,
+    /// The names of the values on the left and on the right.
     pub(crate) names: [String; 2],
 }
 
 impl Default for Wipe {
     fn default() -> Self {
-        Self { share: 0.5, on: false, names: Default::default() }
+        Self { share: 0.5, is_on: false, names: Default::default() }
     }
 }
 
 impl Wipe {
-    /// Where the line is on the screen.
+    /// The horizontal position of the line on the screen.
     pub(crate) fn line(&self, screen: Rect) -> f32 {
         screen.left() + self.share * screen.width()
     }
@@ -34,7 +34,7 @@ impl Wipe {
         Rect::from_min_max(pos2(self.line(screen), screen.top()), screen.max)
     }
 
-    /// The line, to be dragged, and what is on both sides of it.
+    /// Shows the line, which can be dragged, and the names on both sides of it.
     pub(crate) fn show(&mut self, ui: &Ui, screen: Rect) {
         let x = self.line(screen);
         let grip = Rect::from_center_size(pos2(x, screen.center().y), vec2(12.0, screen.height()));

@@ -1,4 +1,5 @@
-//! The relief view on the graphics device: a picture with its own depth, drawn beside the window's and copied in.
+//! The relief view on the graphics device. It is drawn into a picture with a depth buffer of its own, which is then
+//! copied into the window.
 
 use std::sync::Arc;
 
@@ -14,11 +15,11 @@ use crate::value::Field;
 
 /// A terrain to draw: heights, and the picture that is draped over them.
 #[derive(Clone, Debug)]
-pub(crate) struct Terrain {
-    /// Another for each terrain: tells what the device has already.
+pub(crate) struct DrawnTerrain {
+    /// A number that differs for each terrain, to tell whether the device has it already.
     pub(crate) id: u64,
     pub(crate) height: Field,
-    /// Another for each picture.
+    /// A number that differs for each picture.
     pub(crate) picture_id: u64,
     pub(crate) picture: Arc<crate::render::Picture>,
 }
@@ -26,12 +27,12 @@ pub(crate) struct Terrain {
 /// One picture to draw.
 #[derive(Clone, Debug)]
 pub(crate) struct Frame {
-    pub(crate) terrain: Terrain,
+    pub(crate) terrain: DrawnTerrain,
     pub(crate) sight: Sight,
     pub(crate) exaggeration: f32,
-    /// Lowest and highest point, the same for two terrains that are compared.
+    /// Lowest and highest point in metres, the same for two terrains in comparison.
     pub(crate) range: [f32; 2],
-    /// Which of the compared terrains it is.
+    /// The index of the terrain: 0, or 1 for the one in comparison.
     pub(crate) slot: usize,
     /// Height of the water, in metres.
     pub(crate) water: Option<f32>,
@@ -42,7 +43,7 @@ pub(crate) struct Frame {
     pub(crate) format: wgpu::TextureFormat,
 }
 
-/// What the shader reads; see `Scene` in terrain.wgsl.
+/// The uniforms of the shader, see `Scene` in terrain.wgsl.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct Uniform {
@@ -79,9 +80,11 @@ impl egui_wgpu::CallbackTrait for Frame {
         encoder: &mut wgpu::CommandEncoder,
         resources: &mut egui_wgpu::CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
-        let stages = resources.entry::<Stages>().or_insert_with(Stages::default);
-        if let Some(stage) = stages.0.get_mut(self.slot) {
-            stage.get_or_insert_with(|| Stage::new(device, self.format)).draw(device, queue, encoder, self);
+        let states = resources.entry::<DeviceStates>().or_insert_with(DeviceStates::default);
+        if let Some(state) = states.0.get_mut(self.slot) {
+            state
+                .get_or_insert_with(|| DeviceState::new(device, self.format))
+                .draw(device, queue, encoder, self);
         }
         Vec::new()
     }
@@ -92,21 +95,21 @@ impl egui_wgpu::CallbackTrait for Frame {
         pass: &mut wgpu::RenderPass<'static>,
         resources: &egui_wgpu::CallbackResources,
     ) {
-        let stages = resources.get::<Stages>();
-        let Some(stage) = stages.and_then(|s| s.0.get(self.slot)?.as_ref()) else { return };
-        let Some(target) = &stage.target else { return };
-        pass.set_pipeline(&stage.copy);
+        let states = resources.get::<DeviceStates>();
+        let Some(state) = states.and_then(|s| s.0.get(self.slot)?.as_ref()) else { return };
+        let Some(target) = &state.target else { return };
+        pass.set_pipeline(&state.copy);
         pass.set_bind_group(0, &target.group, &[]);
         pass.draw(0..3, 0..1);
     }
 }
 
-/// A stage for each of two terrains that are compared.
+/// The state of each of two terrains in comparison.
 #[derive(Default)]
-struct Stages([Option<Stage>; 2]);
+struct DeviceStates([Option<DeviceState>; 2]);
 
-/// What stays on the device between frames.
-struct Stage {
+/// Pipelines, buffers and textures that stay on the device between frames.
+struct DeviceState {
     ground: wgpu::RenderPipeline,
     wall: wgpu::RenderPipeline,
     sea: wgpu::RenderPipeline,
@@ -133,7 +136,7 @@ struct Loaded {
     wall_count: u32,
 }
 
-/// What is drawn into.
+/// The textures into which a frame is drawn.
 struct Target {
     size: [u32; 2],
     color: wgpu::TextureView,
@@ -142,7 +145,7 @@ struct Target {
     group: wgpu::BindGroup,
 }
 
-impl Stage {
+impl DeviceState {
     fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         let terrain = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("terrain"),
@@ -274,8 +277,8 @@ impl Stage {
         }
     }
 
-    /// Brings a terrain to the device, as far as it is not there.
-    fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, terrain: &Terrain) {
+    /// Uploads a terrain and its picture, unless they are on the device already.
+    fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, terrain: &DrawnTerrain) {
         let held = self.loaded.as_ref().filter(|l| l.id == terrain.id);
         if held.is_some_and(|l| l.picture_id == terrain.picture_id) {
             return;
@@ -305,7 +308,7 @@ impl Stage {
         self.loaded = Some(Loaded { id, picture_id, field, group, walls, wall_count });
     }
 
-    /// Makes the picture that is drawn into, when the view has another size.
+    /// Makes new textures to draw into, when the view has another size.
     fn aim(&mut self, device: &wgpu::Device, size: [u32; 2]) {
         if self.target.as_ref().is_some_and(|t| t.size == size) {
             return;

@@ -1,5 +1,5 @@
-//! The relief view: the terrain in space, drawn from its samples by the graphics device, under the picture that the
-//! flat view or the renderer made of it.
+//! The relief view: the terrain in perspective, drawn from its samples by the graphics device. It is draped with the
+//! picture of the flat view or of the renderer.
 
 mod device;
 mod orbit;
@@ -15,33 +15,33 @@ use eframe::egui_wgpu::Callback;
 use eframe::wgpu::TextureFormat;
 use glam::Vec3;
 
-use device::{Frame, Terrain};
+use device::{DrawnTerrain, Frame};
 use orbit::Orbit;
 use pieces::Sight;
 use space::Deep;
 
 use super::wipe::Wipe;
 use crate::editor::board::{Board, Shown};
-use crate::editor::drawing::{Drawing, Pad};
+use crate::editor::drawing::{Drawing, DrawingContext};
 use crate::editor::shade::Light;
 use crate::render::Picture;
 use crate::value::{Field, Quantity, Value};
 
-/// The most samples along a side that a device is sure to take as a texture.
+/// The most samples along a side that every device accepts as a texture.
 const MOST: usize = 8192;
 
 /// The state of the relief view.
 pub(crate) struct ReliefView {
     pub(crate) exaggeration: f32,
     pub(crate) water: bool,
-    /// Pixels that a quad may take.
+    /// Pixels that a quad may cover before it is divided.
     pub(crate) coarseness: f32,
     /// Where the light comes from.
     pub(crate) light: Light,
     orbit: Orbit,
-    /// Whether the whole terrain is to be shown again.
+    /// Whether the view is fitted to the whole terrain in the next frame.
     fit: bool,
-    /// The format of the window; without one there is no device to draw with.
+    /// The pixel format of the window; `None` where there is no device to draw with.
     format: Option<TextureFormat>,
 }
 
@@ -51,7 +51,7 @@ impl ReliefView {
         Self { exaggeration: 1.0, water: true, coarseness: 2.5, light, orbit, fit: true, format }
     }
 
-    /// Shows the whole terrain, as at first.
+    /// Fits the view to the whole terrain in its initial direction.
     pub(crate) fn reset(&mut self) {
         self.fit = true;
     }
@@ -62,7 +62,7 @@ impl ReliefView {
         board: &Board,
         wipe: &mut Wipe,
         drawing: &mut Drawing,
-        pad: &mut Pad<'_>,
+        cx: &mut DrawingContext<'_>,
     ) {
         let (rect, ground) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         ground.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "relief view"));
@@ -72,10 +72,10 @@ impl ReliefView {
             Color32::from_rgb(196, 206, 216)
         };
         ui.painter().rect_filled(rect, 0.0, background);
-        drawing.look(pad);
-        self.steer(ui, &ground, drawing.holds());
+        drawing.read(cx);
+        self.steer(ui, &ground, drawing.takes_primary_button());
         let shown = board.shown.as_ref();
-        let lit = board.lit_lately();
+        let lit = board.lit_now_or_before();
         let main = shown.and_then(|s| terrain(s, lit.map(|l| (&l.picture, l.number))));
         let (Some(main), Some(format)) = (main, self.format) else {
             let text = match (shown, self.format) {
@@ -99,10 +99,10 @@ impl ReliefView {
         let size = rect.size() * ui.pixels_per_point();
         let pixels = [size.x, size.y].map(|v| (v.round() as u32).clamp(1, 8192));
         let background = [background.r(), background.g(), background.b()].map(|c| f32::from(c) / 255.0);
-        let sea = pad.document.graph().terrain().sea_level.map(|level| level as f32);
+        let sea = cx.document.graph().terrain().sea_level.map(|level| level as f32);
         let water = sea.filter(|sea| self.water && *sea > range[0]);
         let height = main.height.clone();
-        let draw = |terrain: Terrain, slot: usize, clip: egui::Rect| {
+        let draw = |terrain: DrawnTerrain, slot: usize, clip: egui::Rect| {
             let exaggeration = self.exaggeration;
             let frame =
                 Frame { terrain, sight, exaggeration, range, slot, water, background, pixels, format };
@@ -127,9 +127,9 @@ impl ReliefView {
             exaggeration: f64::from(self.exaggeration),
             range: range.map(f64::from),
         };
-        drawing.show(&ui, &space, &ground, pad);
+        drawing.show(&ui, &space, &ground, cx);
         super::stale(&ui, rect, board);
-        if shown.is_some_and(|s| s.draft) {
+        if shown.is_some_and(|s| s.is_draft) {
             let at = rect.left_bottom() + vec2(12.0, -10.0);
             ui.painter().text(at, Align2::LEFT_BOTTOM, "draft", FontId::monospace(12.0), Color32::WHITE);
         }
@@ -142,7 +142,7 @@ impl ReliefView {
         let shift = ui.input(|i| i.modifiers.shift);
         let primary = ground.dragged_by(PointerButton::Primary);
         if primary && drawing {
-            // The hand draws.
+            // The button acts on the drawing.
         } else if primary && !shift {
             self.orbit.turn(by.x / size.x * 240.0, by.y / size.y * 140.0);
         } else if ground.dragged() {
@@ -179,7 +179,7 @@ impl ReliefView {
         let unit = (2.0 * half(grid.cols.max(grid.rows))).max(1e-3);
         let reach = 0.5 * (high - low) * self.exaggeration;
         if std::mem::take(&mut self.fit) {
-            // The block goes on below the lowest ground.
+            // The block extends below the lowest ground.
             let half = Vec3::new(-corner[0], -corner[1], reach.max(0.0)) / unit + Vec3::new(0.0, 0.0, 0.04);
             self.orbit = Orbit::default().fitted(half, size.x / size.y.max(1.0));
         }
@@ -199,8 +199,8 @@ impl ReliefView {
     }
 }
 
-/// The terrain of what is shown, under its best picture; none where it is no height.
-fn terrain(shown: &Shown, lit: Option<(&Arc<Picture>, u64)>) -> Option<Terrain> {
+/// The terrain to draw for a value, with its best picture; `None` where the value is no height.
+fn terrain(shown: &Shown, lit: Option<(&Arc<Picture>, u64)>) -> Option<DrawnTerrain> {
     let Value::Field(height) = &shown.value else { return None };
     let grid = height.grid();
     let fits = (2..=MOST).contains(&grid.cols) && (2..=MOST).contains(&grid.rows);
@@ -209,5 +209,5 @@ fn terrain(shown: &Shown, lit: Option<(&Arc<Picture>, u64)>) -> Option<Terrain> 
     }
     let (picture, picture_id) = lit.unwrap_or((&shown.picture, 0));
     let picture = Arc::clone(picture);
-    Some(Terrain { id: shown.id, height: height.clone(), picture_id, picture })
+    Some(DrawnTerrain { id: shown.id, height: height.clone(), picture_id, picture })
 }

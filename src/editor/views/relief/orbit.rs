@@ -1,4 +1,4 @@
-//! The eye of the relief view: it circles around a point of the ground, or flies.
+//! The eye of the relief view, which circles around a point of the ground or flies.
 
 use glam::camera::rh::proj::directx::perspective;
 use glam::camera::rh::view::look_at_mat4;
@@ -6,15 +6,15 @@ use glam::{Mat4, Vec3};
 
 /// Vertical field of view.
 const FIELD_OF_VIEW: f32 = 38.0;
-/// Least and most height of the eye over the horizon, in degrees.
+/// The least and the greatest height of the eye over the horizon, in degrees.
 const PITCH: [f32; 2] = [-10.0, 89.0];
 
-/// Where the eye is: lengths in units of the longer side of the terrain, so that it serves terrains of any size.
+/// The position of the eye. Lengths are in units of the longer side of the terrain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Orbit {
-    /// What is looked at, from the middle of the terrain: east, south, up.
+    /// The point in the middle of the view, relative to the middle of the terrain: east, south, up.
     pub(crate) target: Vec3,
-    /// Compass direction that the eye looks from, in degrees.
+    /// Compass direction from the target to the eye, in degrees.
     pub(crate) azimuth: f32,
     /// Height of the eye over the horizon, in degrees.
     pub(crate) pitch: f32,
@@ -28,15 +28,15 @@ impl Default for Orbit {
 }
 
 impl Orbit {
-    /// The eye turned as it is, so near that a block around the middle of the terrain just fits; `half` is half its
-    /// width, depth and height.
+    /// The eye in the same direction, at the distance at which a block around the middle of the terrain just fits into
+    /// the view; `half` is half the width, depth and height of the block.
     pub(crate) fn fitted(self, half: Vec3, aspect: f32) -> Self {
         let mut orbit = Self { target: Vec3::ZERO, distance: 0.3, ..self };
         let corners: [Vec3; 8] = std::array::from_fn(|k| {
             let sign = |bit: usize| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
             half * Vec3::new(sign(0), sign(1), sign(2))
         });
-        // Nearness and middle depend on each other; each round halves what is left at least.
+        // Distance and target depend on each other; each round at least halves the error.
         for _ in 0..60 {
             let to_screen = orbit.projection(aspect, 1.0);
             let seen = corners.map(|c| to_screen * c.extend(1.0));
@@ -53,7 +53,7 @@ impl Orbit {
         orbit
     }
 
-    /// From the target to the eye, of length one.
+    /// The unit vector from the target to the eye.
     fn outward(&self) -> Vec3 {
         let (a, p) = (self.azimuth.to_radians(), self.pitch.to_radians());
         let flat = libm::cosf(p);
@@ -64,7 +64,7 @@ impl Orbit {
         self.target + self.outward() * self.distance
     }
 
-    /// Turns around the target.
+    /// Turns the eye around the target.
     pub(crate) fn turn(&mut self, right: f32, up: f32) {
         self.azimuth = (self.azimuth + right).rem_euclid(360.0);
         self.pitch = (self.pitch + up).clamp(PITCH[0], PITCH[1]);
@@ -78,14 +78,14 @@ impl Orbit {
         self.hold();
     }
 
-    /// Flies: the eye and the target move along the line of sight and across it.
+    /// Moves the eye and the target along the line of sight and across it.
     pub(crate) fn fly(&mut self, ahead: f32, right: f32, up: f32) {
         let (east, _) = self.axes();
         self.target += (-self.outward() * ahead + east * right + Vec3::Z * up) * self.distance;
         self.hold();
     }
 
-    /// Comes nearer or goes away by a factor.
+    /// Divides the distance from the target by a factor.
     pub(crate) fn zoom(&mut self, factor: f32) {
         self.distance = (self.distance / factor).clamp(0.01, 6.0);
     }
@@ -95,26 +95,26 @@ impl Orbit {
         self.target = self.target.clamp(Vec3::splat(-1.0), Vec3::splat(1.0));
     }
 
-    /// To the right and ahead, along the ground.
+    /// The unit vectors to the right and ahead, along the ground.
     fn axes(&self) -> (Vec3, Vec3) {
         let a = self.azimuth.to_radians();
         let (sin, cos) = (libm::sinf(a), libm::cosf(a));
         (Vec3::new(cos, sin, 0.0) * -1.0, Vec3::new(-sin, cos, 0.0))
     }
 
-    /// From metres around the middle of the terrain to the screen; `unit` is the longer side in metres.
+    /// The projection from metres around the middle of the terrain to clip space; `unit` is the longer side in metres.
     pub(crate) fn projection(&self, aspect: f32, unit: f32) -> Mat4 {
         let (eye, target) = (self.eye() * unit, self.target * unit);
         let near = (self.distance * unit * 0.01).max(0.05);
         let far = (self.distance + 4.0) * unit;
-        // South is down on the map: the hand of the axes changes, which one mirrored axis mends.
+        // East, south and up form left-handed axes; mirroring one of them makes them right-handed.
         let flip = Mat4::from_scale(Vec3::new(1.0, -1.0, 1.0));
         let mirrored = |v: Vec3| Vec3::new(v.x, -v.y, v.z);
         let view = look_at_mat4(mirrored(eye), mirrored(target), Vec3::Z);
         perspective(FIELD_OF_VIEW.to_radians(), aspect.max(0.01), near, far) * view * flip
     }
 
-    /// Size on the screen, in shares of its height, of a length at a distance.
+    /// The size of a length at a distance on the screen, as a share of its height.
     pub(crate) fn share(length: f32, distance: f32) -> f32 {
         length / (distance.max(1e-6) * 2.0 * libm::tanf(0.5 * FIELD_OF_VIEW.to_radians()))
     }

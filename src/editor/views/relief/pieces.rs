@@ -1,14 +1,14 @@
-//! Which pieces of the terrain are drawn, and how coarsely: near ones finely, far ones coarsely, those behind the eye
-//! not at all.
+//! The choice of the pieces of the terrain that are drawn: near pieces are fine, far ones are coarse, and those out of
+//! sight are left out.
 
 use glam::{Mat4, Vec3, Vec4};
 
 use super::orbit::Orbit;
 
-/// Quads along the side of a piece.
+/// Number of quads along the side of a piece.
 pub(crate) const SIDE: u32 = 32;
 
-/// A piece: the first sample and the stride between its corners.
+/// A piece, by its first sample and the stride between the corners of its quads.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(crate) struct Piece {
@@ -17,21 +17,21 @@ pub(crate) struct Piece {
     pub(crate) stride: f32,
 }
 
-/// What the choice of pieces depends on; lengths in metres from the middle of the terrain.
+/// The data on which the choice of pieces depends. Lengths are in metres from the middle of the terrain.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
     pub(crate) to_screen: Mat4,
     pub(crate) eye: Vec3,
     pub(crate) cols: u32,
     pub(crate) rows: u32,
-    /// Where sample (0, 0) stands.
+    /// The place of sample (0, 0).
     pub(crate) corner: [f32; 2],
     pub(crate) cell: f32,
     /// Lowest and highest point.
     pub(crate) heights: [f32; 2],
     /// Height of the view, in pixels.
     pub(crate) pixels: f32,
-    /// Pixels that a quad may take before its piece is split.
+    /// Pixels that a quad may cover before its piece is divided.
     pub(crate) coarseness: f32,
 }
 
@@ -78,7 +78,7 @@ fn bounds(sight: &Sight, col: u32, row: u32, stride: u32) -> (Vec3, Vec3) {
     (at(col, row, sight.heights[0]), at(end_col, end_row, sight.heights[1]))
 }
 
-/// Whether a box may be on the screen: not all its corners are beyond one side of it.
+/// Whether a box may be visible: not all of its corners are beyond the same side of the screen.
 fn is_seen(to_screen: &Mat4, low: Vec3, high: Vec3) -> bool {
     let corner = |k: usize| {
         let pick = |bit: usize, a: f32, b: f32| if k >> bit & 1 == 0 { a } else { b };
@@ -91,8 +91,8 @@ fn is_seen(to_screen: &Mat4, low: Vec3, high: Vec3) -> bool {
     !beyond.iter().any(|side| corners.iter().all(side))
 }
 
-/// The corners of a piece as column, row and whether it hangs down as a skirt, and the triangles between them. Skirts
-/// close the cracks between pieces of different strides.
+/// The corners of a piece (column, row, and 1 for the lower edge of a skirt) and the triangles between them. Skirts
+/// hang down along the border and close the cracks between pieces of different strides.
 pub(crate) fn grid() -> (Vec<[f32; 3]>, Vec<u16>) {
     let side = SIDE as u16;
     let wide = side + 1;

@@ -1,10 +1,10 @@
-//! How the device draws: formats, what shaders read, pipelines.
+//! Pipelines of the relief view: texture formats, bindings of the shaders.
 
 use eframe::wgpu;
 
 pub(super) const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Samples of a pixel, so that edges are smooth.
+/// Samples of a pixel, for smooth edges.
 pub(super) const SAMPLES: u32 = 4;
 
 pub(super) fn layout(device: &wgpu::Device, entries: &[wgpu::BindGroupLayoutEntry]) -> wgpu::BindGroupLayout {
@@ -46,10 +46,10 @@ pub(super) fn sampler_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     }
 }
 
-/// What differs between the pipelines.
+/// The settings in which the pipelines differ.
 pub(super) struct Spec<'a> {
     pub(super) module: &'a wgpu::ShaderModule,
-    /// Of the vertices and of the fragments.
+    /// The entry points for vertices and fragments.
     pub(super) entry: [&'a str; 2],
     pub(super) buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     pub(super) strip: bool,

@@ -1,4 +1,4 @@
-//! The relief view as a space to draw in: places in perspective, and rays back to the ground.
+//! The relief view as a [`Space`] for drawing: projection of places, and rays from the screen to the ground.
 
 use eframe::egui::{Pos2, Rect, pos2};
 use glam::{Mat4, Vec3};
@@ -7,14 +7,14 @@ use crate::editor::drawing::Space;
 use crate::editor::views::map::sample;
 use crate::value::Field;
 
-/// Steps of a ray over the terrain before it is refined.
+/// Number of steps along a ray until the hit is refined.
 const STEPS: u32 = 512;
 
-/// Steps of a glance at whether the ground hides a place.
+/// Number of steps along the ray that finds whether the ground hides a place.
 const GLANCE: u32 = 40;
 
-/// The terrain in perspective. Lengths of `to_screen` are metres from the middle of the terrain, heights from the middle
-/// of the heights and times the exaggeration.
+/// The terrain in perspective. `to_screen` takes metres from the middle of the terrain, with heights from the middle of
+/// the heights and times the exaggeration.
 pub(crate) struct Deep<'a> {
     pub(crate) to_screen: Mat4,
     pub(crate) eye: Vec3,
@@ -43,7 +43,7 @@ impl Deep<'_> {
         [f64::from(at.x) + x, f64::from(at.y) + y, z]
     }
 
-    /// From the eye through a point of the screen, of length one.
+    /// The unit vector from the eye through a point of the screen.
     fn ray(&self, pos: Pos2) -> Option<Vec3> {
         let size = self.screen.size();
         let x = 2.0 * (pos.x - self.screen.left()) / size.x.max(1.0) - 1.0;
@@ -52,16 +52,16 @@ impl Deep<'_> {
         (far - self.eye).try_normalize()
     }
 
-    /// How high a place of a ray is over the ground.
+    /// The height of a point above the ground.
     fn over(&self, at: Vec3) -> f64 {
         let [x, y, z] = self.outside(at);
         z - f64::from(sample(self.height, [x, y]))
     }
 
-    /// The part of a ray that is over the terrain.
+    /// The distances at which a ray enters and leaves the block of the terrain.
     fn stretch(&self, ray: Vec3) -> Option<[f32; 2]> {
         let b = self.height.grid().bounds();
-        // Room around the ground, so that a ray is surely below it where it leaves, plains included.
+        // The block is a little larger than the terrain, so that a ray leaves it below the ground, even on a plain.
         let room = Vec3::splat((0.002 * b.width().max(b.depth())) as f32);
         let low = self.inside([b.min[0], b.min[1], self.range[0]]) - room;
         let high = self.inside([b.max[0], b.max[1], self.range[1]]) + room;
@@ -69,7 +69,7 @@ impl Deep<'_> {
         for axis in 0..3 {
             let (a, b) =
                 ((low[axis] - self.eye[axis]) / ray[axis], (high[axis] - self.eye[axis]) / ray[axis]);
-            // A ray along the axis divides by nothing: it is inside or outside all the way.
+            // A ray parallel to two faces gives 0/0 here; it is between them or outside all the way.
             if a.is_nan() || b.is_nan() {
                 continue;
             }
@@ -100,7 +100,7 @@ impl Space for Deep<'_> {
             return None;
         }
         let [x, y, _] = self.outside(self.eye + ray * t);
-        // Towards the horizon a pixel is kilometres: a hand that goes there means the edge.
+        // Near the horizon a pixel is kilometres wide, so that places beyond the terrain are moved to its border.
         let b = self.height.grid().bounds();
         let far = b.width().max(b.depth());
         Some([x.clamp(b.min[0] - far, b.max[0] + far), y.clamp(b.min[1] - far, b.max[1] + far)])
@@ -125,7 +125,7 @@ impl Space for Deep<'_> {
     }
 
     fn rise(&self, at: [f64; 3]) -> f64 {
-        // From straight above a height has no length on the screen: then it is as long as a width.
+        // Seen from straight above, a height has no length on the screen; then a pixel is as high as it is wide.
         self.across(at) / self.exaggeration
     }
 
@@ -146,7 +146,7 @@ impl Space for Deep<'_> {
     fn hides(&self, at: [f64; 3]) -> bool {
         let to = self.inside(at) - self.eye;
         let Some([from, end]) = to.try_normalize().and_then(|ray| self.stretch(ray)) else { return false };
-        // The curve lies on the ground, or a little in it where that is rough: the last steps are not looked at.
+        // A curve on rough ground lies partly below it, so that the last steps are not tested.
         let (length, ray) = (to.length(), to.normalize());
         let slack = self.height.grid().cell() * 3.0;
         let end = end.min(length * 0.985);

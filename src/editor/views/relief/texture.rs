@@ -1,4 +1,4 @@
-//! What the device is given: heights, pictures, the corners of walls.
+//! The data that is uploaded to the device: heights, pictures, the corners of the walls.
 
 use eframe::wgpu::{self, util::DeviceExt as _};
 
@@ -6,7 +6,7 @@ use super::pipeline::COLOR;
 use crate::render::Picture;
 use crate::value::Field;
 
-/// The four cut sides of the block as one strip: sample and whether the corner is at the foot.
+/// The four cut sides of the block as one triangle strip; a corner is column, row, and 1 at the foot of the wall.
 pub(super) fn walls(cols: u32, rows: u32) -> Vec<[f32; 3]> {
     let (c, r) = (cols - 1, rows - 1);
     let north = (0..=c).map(|i| [i, 0]);
@@ -39,7 +39,7 @@ pub(super) fn field_texture(device: &wgpu::Device, queue: &wgpu::Queue, field: &
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-/// The picture with all its smaller versions, so that far ground does not flicker.
+/// The texture of a picture with its mip levels, so that far ground does not flicker.
 pub(super) fn picture_texture(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

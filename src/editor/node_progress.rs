@@ -1,4 +1,4 @@
-//! Tells how far the nodes of an evaluation are.
+//! Progress of the nodes of an evaluation.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -6,15 +6,15 @@ use super::board::NodeState;
 use crate::engine::{Observer, Plan, PlannedTask};
 use crate::graph::{Graph, NodeId};
 
-/// Observes one evaluation after the other and tells each node's state.
-pub(super) struct Watcher<'a> {
+/// An observer that reports the state of each node. It serves one evaluation after the other.
+pub(super) struct NodeProgress<'a> {
     graph: &'a Graph,
     tell: &'a (dyn Fn(NodeId, NodeState) + Sync),
-    /// The node of each task that takes time.
+    /// The node of each task; `None` for tasks whose results are cached.
     tasks: Mutex<Vec<Option<NodeId>>>,
 }
 
-impl<'a> Watcher<'a> {
+impl<'a> NodeProgress<'a> {
     pub(super) fn new(graph: &'a Graph, tell: &'a (dyn Fn(NodeId, NodeState) + Sync)) -> Self {
         Self { graph, tell, tasks: Mutex::default() }
     }
@@ -27,7 +27,7 @@ impl<'a> Watcher<'a> {
     }
 }
 
-impl Observer for Watcher<'_> {
+impl Observer for NodeProgress<'_> {
     fn reading(&self, node: &str, _: &str, share: f32) {
         if let Some(node) = self.graph.find(node) {
             (self.tell)(node, NodeState::Running(share));
@@ -35,7 +35,7 @@ impl Observer for Watcher<'_> {
     }
 
     fn planned(&self, plan: &Plan) {
-        // What the cache has takes no time worth telling.
+        // Tasks with cached results take too little time to be shown.
         let node = |t: &PlannedTask| t.cached.is_none().then(|| self.graph.find(&t.node)).flatten();
         let nodes: Vec<Option<NodeId>> = plan.tasks().iter().map(node).collect();
         nodes.iter().flatten().for_each(|id| (self.tell)(*id, NodeState::Waiting));

@@ -1,29 +1,29 @@
-//! What the window would like to see, and the order that asks for it.
+//! The order that the window places with the evaluator.
 
 use super::app::{Editor, Page};
-use super::board::{Measured, Scenery};
+use super::board::{BuildRequest, Scenery};
 use super::dialogs::Dialog;
 use super::evaluator::Order;
 use super::shade::{Light, Mode};
 use crate::graph::{NodeId, Source};
 use crate::value::{Grid, WireType};
 
-/// The last order, to see whether another is due.
+/// The contents of an order, compared with those of the last one to see whether a new order is due.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Ordered {
+pub(super) struct Contents {
     state: u64,
     scene: Option<Scenery>,
     light: Option<Light>,
     detail: Option<Grid>,
-    build: Option<Measured>,
+    build: Option<BuildRequest>,
     accepted: Option<u64>,
 }
 
 impl Editor {
-    /// The node that the view shows: the pinned one, else the only chosen one, else the one before.
+    /// The node that the view shows: the pinned node, else the only chosen node, else the node shown last.
     pub(super) fn shown_node(&self) -> Option<NodeId> {
         let graph = self.document.graph();
-        let all = [self.pinned, self.canvas.chosen.lone(), self.last];
+        let all = [self.pinned, self.canvas.chosen.lone(), self.last_shown];
         all.into_iter().flatten().find(|id| graph.get(*id).is_some())
     }
 
@@ -35,10 +35,10 @@ impl Editor {
         Some(Source { node, port: named.or(outputs.first())?.name.clone() })
     }
 
-    /// What the shown terrain is compared with: the chosen node where another is pinned, else what goes into the shown
-    /// one.
+    /// The output that the shown terrain is compared with: that of the chosen node where another node is pinned, else
+    /// the one that the shown node changes.
     pub(super) fn against(&self) -> Option<Source> {
-        let target = self.target().filter(|_| self.wipe.on)?;
+        let target = self.target().filter(|_| self.wipe.is_on)?;
         let graph = self.document.graph();
         let other = self.canvas.chosen.lone().filter(|id| *id != target.node);
         let of_chosen = other.and_then(|node| {
@@ -61,36 +61,36 @@ impl Editor {
         Some(Scenery { target, against: self.against(), drape, tint, size, look: self.map.look })
     }
 
-    pub(super) fn wish(&self) -> Ordered {
+    pub(super) fn order_contents(&self) -> Contents {
         let lit = self.view == Page::Relief && self.map.look.mode == Mode::Relief && !self.map.look.contours;
         let building = matches!(self.dialog, Dialog::Build);
-        Ordered {
+        Contents {
             state: self.document.state(),
             scene: self.scene(),
             detail: self.map.closer().filter(|_| self.view == Page::Map),
             light: lit.then_some(self.relief.light),
             build: building.then(|| self.build.measured(self.document.state())),
-            accepted: self.accepted,
+            accepted: self.accepted_state,
         }
     }
 
-    /// Orders what the window would like to see, when that has changed.
-    pub(super) fn order(&mut self) {
-        let wish = self.wish();
-        if self.ordered.as_ref() == Some(&wish) {
+    /// Places an order with the evaluator when its contents have changed.
+    pub(super) fn send_order(&mut self) {
+        let contents = self.order_contents();
+        if self.last_order.as_ref() == Some(&contents) {
             return;
         }
         let Some(evaluator) = &self.evaluator else { return };
         evaluator.order(Order {
             graph: self.document.shared(),
-            state: wish.state,
-            scene: wish.scene.clone(),
-            light: wish.light,
-            detail: wish.detail,
+            state: contents.state,
+            scene: contents.scene.clone(),
+            light: contents.light,
+            detail: contents.detail,
             in_sight: self.canvas.in_sight.clone(),
-            build: wish.build.clone(),
-            whatever_it_takes: self.accepted == Some(wish.state),
+            build: contents.build.clone(),
+            is_cost_accepted: self.accepted_state == Some(contents.state),
         });
-        self.ordered = Some(wish);
+        self.last_order = Some(contents);
     }
 }

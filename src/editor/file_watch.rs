@@ -1,4 +1,4 @@
-//! Looks at the file of the document beside the window, which sleeps while nothing happens.
+//! The watch over the file of the document. It runs on a thread, because the window draws no frames while it is idle.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,10 +7,10 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime};
 
-/// How often the file is looked at.
+/// Time between two checks of the file.
 const EVERY: Duration = Duration::from_millis(800);
 
-/// A thread that looks at a file until it is dropped.
+/// A thread that checks a file for changes until this is dropped.
 #[derive(Debug)]
 pub(crate) struct FileWatch {
     changed: Arc<AtomicBool>,
@@ -19,7 +19,7 @@ pub(crate) struct FileWatch {
 }
 
 impl FileWatch {
-    /// Looks at a file; `wake` is called when it has changed.
+    /// Starts to watch a file; `wake` is called when its length or its time of modification has changed.
     pub(crate) fn on(path: &Path, wake: impl Fn() + Send + 'static) -> Self {
         let changed = Arc::new(AtomicBool::new(false));
         let (stop, stopped) = channel();
@@ -38,7 +38,7 @@ impl FileWatch {
         Self { changed, stop: Some(stop), thread: Some(thread) }
     }
 
-    /// Whether the file may have changed since this was last asked.
+    /// Whether the file may have changed since the last call.
     pub(crate) fn take(&self) -> bool {
         self.changed.swap(false, Ordering::Relaxed)
     }
@@ -48,13 +48,13 @@ impl Drop for FileWatch {
     fn drop(&mut self) {
         self.stop = None;
         if let Some(thread) = self.thread.take() {
-            // It has nothing to clean up.
+            // A thread that panicked leaves nothing to clean up.
             let _ = thread.join();
         }
     }
 }
 
-/// What tells a changed file from an unchanged one without reading it.
+/// The time of modification and the length of a file, which tell of most changes without reading it.
 fn stamp(path: &PathBuf) -> Option<(SystemTime, u64)> {
     let meta = std::fs::metadata(path).ok()?;
     Some((meta.modified().ok()?, meta.len()))
