@@ -1,8 +1,8 @@
-//! The account of a plan: what tasks cost, what they leave, and the most memory they hold at once.
+//! The account of a plan: the cost of tasks, the bytes of their results, and the peak of memory.
 //!
-//! The account counts everything that is alive: the outputs that somebody still reads, what a task takes while it runs,
-//! results that are kept for the next evaluation, and the copies that are cut for who asked. The runner keeps the same
-//! account and starts nothing that would lead over the peak that is stated here.
+//! The account counts everything that is alive: outputs that will still be read, the scratch memory of running tasks,
+//! results that stay for the next evaluation, and the wanted windows that are copied at the end. The runner keeps the
+//! same account and starts no task that would exceed the peak that is computed here.
 
 use std::collections::BTreeMap;
 
@@ -15,28 +15,28 @@ use crate::node::{Cost, Load};
 use crate::ports::MASK;
 use crate::value::{Grid, Terrain};
 
-/// The most memory the tasks hold at once.
+/// The peak of memory of a plan.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Peak {
-    /// Bytes, with the room that lets independent tasks run side by side.
+    /// Bytes at the peak, with some room for independent tasks that run side by side.
     pub bytes: u64,
-    /// The task at which they are held.
+    /// The task at which the peak is reached.
     pub task: usize,
-    /// Bytes that are alive while each task runs, when they run in order.
+    /// For each task, the bytes that are alive while it runs, when tasks run in order.
     pub course: Vec<u64>,
 }
 
-/// What a task takes.
+/// The cost of a task and the bytes of its outputs.
 pub(super) struct Sizes {
     pub cost: Cost,
-    /// Bytes of the outputs that are read, which stay until the last reader is done.
+    /// Bytes of the outputs that are read; they are alive until the last reader is done.
     pub output_bytes: u64,
-    /// Bytes of the cost that are for files: their content, and what is decoded from it.
+    /// The part of the bytes of the cost that is for files: their content and the decoded values.
     pub file_bytes: u64,
 }
 
 impl Sizes {
-    /// Those of a stage of a step on a grid, of whose outputs some are read.
+    /// The sizes of a stage of a step on a grid, of which the outputs in `read` are read.
     pub(super) fn new(
         step: &Step,
         stage: Stage,
@@ -47,7 +47,7 @@ impl Sizes {
         foretold: &Foretold<'_>,
     ) -> Self {
         if let Some(bytes) = found.and_then(Found::bytes) {
-            // Reading a file puts pairs and triples together in memory of their own.
+            // Reading a file of pairs or triples needs scratch memory in which they are put together.
             let scratch = if matches!(found, Some(Found::Disk(_))) { bytes } else { 0 };
             let cost = Cost { bytes: scratch, seconds: bytes as f64 * 1e-9 };
             return Self { cost, output_bytes: bytes, file_bytes: 0 };
@@ -73,9 +73,9 @@ impl Sizes {
     }
 }
 
-/// Seconds a number of an output: fresh memory, and a look whether it is finite.
+/// Seconds for each number of an output, for fresh memory and the check that it is finite.
 const OUTPUT_NUMBER: f64 = 4e-9;
-/// A statistic of the whole is a few numbers, or the points of a curve.
+/// The assumed bytes of a summary, which is a few numbers or the points of a curve.
 const SUMMARY_BYTES: u64 = 1 << 14;
 
 fn cost(
@@ -101,7 +101,7 @@ fn cost(
     if mixed { with_mixing(own, step, grid) } else { own }
 }
 
-/// The cost of carrying the outputs that are read to another grid.
+/// The cost of lifting or carrying the outputs that are read to another grid.
 fn lift_cost(step: &Step, grid: &Grid, base: &Grid, read: Outputs) -> Cost {
     if base.contains(grid) {
         return Cost::per_sample(grid, LIFT_COPY);
@@ -109,21 +109,23 @@ fn lift_cost(step: &Step, grid: &Grid, base: &Grid, read: Outputs) -> Cost {
     let channels: f64 = read.ports(&step.kind).map(|p| p.wire.sample_bytes() as f64 / 4.0).sum();
     let carried = step.kind.carries.iter().any(|(output, _)| read.has(&step.kind, output));
     let extra = if carried { LIFT_CHANGE } else { 0.0 };
-    // The change and its spline, or the splines of three channels and one of them set apart; a direction has two of each.
+    // The change and its spline, or the splines of three channels and one of them set apart; a direction has two of
+    // each.
     Cost::per_sample(grid, LIFT_SAMPLE * channels + extra)
         .and(Cost::per_sample(base, LIFT_FIT * channels))
         .with_fields(base, 4.1)
 }
 
-/// Nanoseconds a sample: a window cut out of the base grid, a spline evaluated, a change looked for, a spline fitted.
+/// Nanoseconds a sample for four parts of a lift: copying a window of the base grid, evaluating a spline, finding
+/// whether there is a change, and fitting a spline.
 const LIFT_COPY: f64 = 1.0;
 const LIFT_SAMPLE: f64 = 3.5;
 const LIFT_CHANGE: f64 = 4.0;
 const LIFT_FIT: f64 = 7.0;
-/// Nanoseconds a channel and sample of mixing by a mask.
+/// Nanoseconds for each channel of a sample that is mixed by a mask.
 const MIX_SAMPLE: f64 = 2.5;
 
-/// With what the engine takes to mix outputs with inputs: one after the other into memory of its own.
+/// A cost with that of mixing outputs with inputs added; outputs are mixed one after the other into new memory.
 fn with_mixing(cost: Cost, step: &Step, grid: &Grid) -> Cost {
     let channels =
         |output: &str| step.kind.output(output).map_or(0.0, |p| p.wire.sample_bytes() as f64 / 4.0);
@@ -132,8 +134,8 @@ fn with_mixing(cost: Cost, step: &Step, grid: &Grid) -> Cost {
     cost.and(Cost::per_sample(grid, MIX_SAMPLE * all)).with_fields(grid, widest)
 }
 
-/// What stays until the engine is asked again: results on the base grid, or on none, that every tile reads, and what is
-/// decoded from files; the bytes of the latter, which no longer count in the tasks.
+/// Marks the results that stay for the next evaluation: those on the base grid, or without a grid, that every tile
+/// reads. Values decoded from files stay, too; returns their bytes, which no longer count in the tasks.
 pub(super) fn mark_lasting(tasks: &mut [Task]) -> u64 {
     let mut lasting: Vec<usize> = Vec::new();
     for task in tasks.iter() {
@@ -159,17 +161,17 @@ pub(super) fn mark_lasting(tasks: &mut [Task]) -> u64 {
     files.into_values().fold(0, u64::saturating_add)
 }
 
-/// Bytes that are alive before anything runs, or counted as such: what is in memory, and what is to stay.
+/// Bytes that count as alive before any task runs: results in memory, and results that will stay.
 pub(super) fn standing_bytes(tasks: &[Task]) -> u64 {
     tasks.iter().filter(|t| t.held() || t.lasting).map(|t| t.output_bytes).fold(0, u64::saturating_add)
 }
 
-/// Bytes that stay when all is done, beside what was asked for.
+/// Bytes of the results that stay for the next evaluation.
 pub(super) fn lasting_bytes(tasks: &[Task]) -> u64 {
     tasks.iter().filter(|t| t.lasting).map(|t| t.output_bytes).fold(0, u64::saturating_add)
 }
 
-/// How often each task's result is read.
+/// For each task, how often its result is read.
 pub(super) fn uses(tasks: &[Task], wanted: &[Wanted]) -> Vec<usize> {
     let mut uses = vec![0; tasks.len()];
     let needs = tasks.iter().flat_map(|t| &t.needs).map(|(_, need)| need);
@@ -177,8 +179,8 @@ pub(super) fn uses(tasks: &[Task], wanted: &[Wanted]) -> Vec<usize> {
     uses
 }
 
-/// Walks the tasks in order and keeps account of what is alive, decoded files that stay among it; at the end `cut_bytes`
-/// are copied for who asked.
+/// The peak of memory when the tasks run in order. `file_bytes` of decoded files are alive throughout, and `cut_bytes`
+/// are copied at the end for the wanted windows.
 pub(super) fn peak(tasks: &[Task], wanted: &[Wanted], file_bytes: u64, cut_bytes: u64) -> Peak {
     let mut uses = uses(tasks, wanted);
     let mut alive = standing_bytes(tasks).saturating_add(file_bytes);
@@ -208,7 +210,7 @@ pub(super) fn peak(tasks: &[Task], wanted: &[Wanted], file_bytes: u64, cut_bytes
     peak
 }
 
-/// Bytes beside the peak, and the share of it on top, in which small tasks run ahead: larger ones find their room where the
-/// plan is below its peak.
+/// The room that is added to the peak for small tasks that run ahead: a number of bytes, and a share of the peak.
+/// Larger tasks run ahead where the plan is below its peak.
 const ROOM: u64 = 1 << 20;
 const ROOM_SHARE: u64 = 32;

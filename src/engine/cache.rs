@@ -1,4 +1,4 @@
-//! Results by key: in memory up to a number of bytes, and in a folder that many processes may share.
+//! The cache of results by key: in memory up to a limit, and in a folder that several processes may share.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -11,12 +11,12 @@ use crate::node::{Kind, Summary};
 use crate::ports::{Port, Wires};
 use crate::value::Grid;
 
-/// What a task gives.
+/// The result of a task.
 #[derive(Clone, Debug)]
 pub(super) enum Given {
     /// Values by output port.
     Wires(Wires),
-    /// A statistic of the whole.
+    /// Numbers about the whole terrain.
     Summary(Summary),
 }
 
@@ -28,7 +28,7 @@ impl Given {
         }
     }
 
-    /// Whether a file of the cache can hold it.
+    /// Whether the result can be stored in a file of the cache folder.
     pub(super) fn is_kept(&self) -> bool {
         self.wires().is_none_or(|wires| wires.iter().all(|(_, value)| value.wire_type().is_kept()))
     }
@@ -40,13 +40,13 @@ impl Given {
         }
     }
 
-    /// Whether it has every output of some that a kind gives in any case.
+    /// Whether the result has all of these outputs, apart from optional ones.
     fn has(&self, kind: &Kind, outputs: Outputs) -> bool {
         let given = |port: &Port| !port.required || self.wires().is_some_and(|w| w.get(&port.name).is_some());
         matches!(self, Self::Summary(_)) || outputs.ports(kind).all(given)
     }
 
-    /// Whether it has every output that another has.
+    /// Whether the result has every output that another result has.
     fn covers(&self, other: &Self) -> bool {
         let ports =
             |given| Self::wires(given).into_iter().flat_map(Wires::iter).map(|(port, _)| port.as_str());
@@ -54,7 +54,7 @@ impl Given {
         ports(other).all(|port| own.contains(port))
     }
 
-    /// Itself with some of its outputs only.
+    /// The result reduced to these outputs.
     pub(super) fn only(self, kind: &Kind, outputs: Outputs) -> Self {
         match self {
             Self::Wires(wires) => {
@@ -66,15 +66,15 @@ impl Given {
     }
 }
 
-/// What a node said of its result, sorted.
+/// The warnings of a node about its result, sorted.
 pub(super) type Warnings = Arc<[String]>;
 
-/// A result that the store has already.
+/// A result that the cache has.
 #[derive(Clone, Debug)]
 pub(super) enum Found {
-    /// In memory, with what was said of it.
+    /// A result in memory, with its warnings.
     Memory(Given, Warnings),
-    /// In a file of the cache folder.
+    /// The path of a file in the cache folder.
     Disk(PathBuf),
 }
 
@@ -89,12 +89,13 @@ impl Found {
     pub(super) fn bytes(&self) -> Option<u64> {
         match self {
             Self::Memory(given, _) => Some(given.bytes()),
-            // The samples and a little: the window of the file may be wider than the one that is wanted.
+            // The size of the file is that of its samples and a little more. Its window may be wider than the wanted
+            // one.
             Self::Disk(path) => Some(std::fs::metadata(path).ok()?.len()),
         }
     }
 
-    /// Takes the result out where it is in memory.
+    /// Takes the result out, where it is in memory.
     pub(super) fn take(&mut self) -> Option<(Given, Warnings)> {
         match self {
             Self::Memory(given, warnings) => {
@@ -106,16 +107,16 @@ impl Found {
     }
 }
 
-/// Where results are looked for.
+/// The part of the cache that is searched for results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stock {
-    /// In memory and in the folder.
+    /// The memory and the folder.
     All,
-    /// In memory alone.
+    /// The memory only.
     Memory,
 }
 
-/// Memory first, then the folder.
+/// The cache: memory, which is searched first, and the folder.
 #[derive(Debug)]
 pub(super) struct Store {
     memory: Mutex<Memory>,
@@ -147,7 +148,7 @@ impl Store {
         self.memory.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A result whose window holds the wanted one, with the outputs of the kind that are read.
+    /// A result whose window contains the wanted one and which has the outputs that are read.
     pub(super) fn find(
         &self,
         key: &Key,
@@ -164,19 +165,19 @@ impl Store {
         self.disk.as_ref()?.find(key, grid).map(Found::Disk)
     }
 
-    /// Keeps a result; in memory as long as there is room.
+    /// Stores a result in memory, as far as the limit allows.
     pub(super) fn keep(&self, key: Key, grid: Grid, given: &Given, warnings: &Warnings) {
         self.memory().put(key, grid, given.clone(), warnings.clone());
     }
 
-    /// Sets how many bytes of results may be held in memory, and drops the least used beyond it.
+    /// Sets the limit of the bytes in memory, and drops the least recently used results beyond it.
     pub(super) fn limit(&self, bytes: u64) {
         let mut memory = self.memory();
         memory.limit = bytes;
         memory.shrink();
     }
 
-    /// Bytes held in memory.
+    /// Bytes of the results in memory.
     pub(super) fn bytes(&self) -> u64 {
         self.memory().bytes
     }
@@ -198,7 +199,7 @@ impl Memory {
         }
         self.clock += 1;
         let entries = self.entries.entry(key).or_default();
-        // A window inside the new one is no longer of use.
+        // Results on a window inside the new one are no longer needed.
         let before = self.bytes;
         entries.retain(|e| {
             let kept = !(grid.contains(&e.grid) && given.covers(&e.given));
@@ -213,7 +214,7 @@ impl Memory {
         self.shrink();
     }
 
-    /// Drops the least recently used until the rest fits.
+    /// Drops the least recently used results until the rest fits the limit.
     fn shrink(&mut self) {
         if self.bytes <= self.limit {
             return;

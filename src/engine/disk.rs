@@ -1,9 +1,10 @@
-//! The cache folder: a folder for each key, in it a file for each window, whole or not there, checked when read.
+//! The cache folder. It has a folder for each key, and in that a file for each window, which is checked when it is
+//! read.
 //!
-//! Files are written beside their place and renamed into it, so that many processes may share the folder. One that is
-//! damaged is removed; whatever else keeps one from being read, this process does not try it again. Either way the
-//! result is computed. Files get the permissions of the user's umask, so that users may share the folder. The folder
-//! of another program version, or of another form of file, is never read.
+//! Files are written under a temporary name and renamed, so that a file is always whole and several processes can share
+//! the folder. A damaged file is removed. A file that cannot be read for another reason is not tried again by this
+//! process. In both cases the result is computed. Files get the permissions of the user's umask, so that users can
+//! share the folder. The folders of other program versions, or of other forms of file, are never read.
 
 mod entry;
 mod room;
@@ -22,15 +23,15 @@ use crate::node::Kind;
 use crate::value::{Grid, Lattice};
 use room::Room;
 
-/// The folder may hold this many bytes unless the user says otherwise.
+/// The default limit of the bytes in the folder.
 pub const DEFAULT_LIMIT: u64 = 32 << 30;
-/// Farthest window that a file may be named for, in samples: far beyond any lattice, far within what adds up.
+/// The largest coordinate of a window in the name of a file, in samples. It is far larger than any lattice, and sums of
+/// it do not overflow.
 const FARTHEST: i64 = 1 << 40;
-/// Beginning of the names of files that are being written.
+/// The prefix of the names of files that are being written.
 const PASSING: &str = ".part-";
 
-/// Results are keyed by what they depend on; the program itself, and the form of the files, are in the name of the
-/// folder.
+/// The name of the folder of this program version and this form of files. Both are no part of the keys.
 fn salt() -> String {
     format!("orograph-{}-{}", env!("CARGO_PKG_VERSION"), entry::FORM)
 }
@@ -41,12 +42,12 @@ pub(super) struct Disk {
     top: PathBuf,
     folder: PathBuf,
     room: Mutex<Room>,
-    /// Files that could not be used: another user's, damaged ones that cannot be removed.
+    /// Files that could not be used, such as another user's, or damaged ones that cannot be removed.
     shunned: Mutex<BTreeSet<PathBuf>>,
     complaint: Mutex<Complaint>,
 }
 
-/// Why the folder does not keep everything; said once.
+/// The message that the folder cannot store all results, which is given once.
 #[derive(Debug, Default)]
 enum Complaint {
     #[default]
@@ -60,10 +61,10 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Disk {
-    /// Opens a folder that is to hold no more than some bytes.
+    /// Opens a folder with a limit in bytes.
     ///
     /// # Errors
-    /// When it is not there and cannot be made. One that cannot be written is still good to read.
+    /// Fails when the folder does not exist and cannot be made. A folder that cannot be written is still read.
     pub(super) fn open(top: &Path, limit: u64) -> io::Result<Self> {
         let folder = top.join(salt());
         match fs::create_dir_all(&folder) {
@@ -81,8 +82,8 @@ impl Disk {
         self.folder.join(&name[..2]).join(&name[2..])
     }
 
-    /// A file whose window holds the wanted one: consumers that are cached themselves ask for nothing, so the same
-    /// graph may ask for less another time.
+    /// The path of a file whose window contains the wanted one. Windows of one graph differ between evaluations,
+    /// because consumers that are cached themselves need nothing.
     pub(super) fn find(&self, key: &Key, grid: &Grid) -> Option<PathBuf> {
         let folder = self.windows(key);
         let shunned = lock(&self.shunned);
@@ -99,11 +100,11 @@ impl Disk {
         wider.into_iter().next().map(|(_, path)| path)
     }
 
-    /// Writes a result. What cannot be written costs a later process time, and this one a word.
+    /// Writes a result. A failure is reported once by [`complaint`](Self::complaint) and changes no result.
     pub(super) fn put(&self, key: &Key, grid: &Grid, given: &Given) {
         let path = self.windows(key).join(name_of(grid));
         let written = self.write(&path, key, given).or_else(|e| match e.kind() {
-            // Another process trims, and has just removed the empty folder.
+            // Another process has just removed the empty folder while trimming.
             io::ErrorKind::NotFound => self.write(&path, key, given),
             _ => Err(e),
         });
@@ -141,7 +142,7 @@ impl Disk {
         }
     }
 
-    /// Why the folder does not keep everything, the first time that it is asked for.
+    /// The message that the folder cannot store all results; `None` where it was given before.
     pub(super) fn complaint(&self) -> Option<String> {
         let mut complaint = lock(&self.complaint);
         match std::mem::take(&mut *complaint) {
@@ -156,10 +157,10 @@ impl Disk {
         }
     }
 
-    /// Reads a result; one that cannot be used is not found again.
+    /// Reads a result. A file that cannot be used is not found again.
     ///
     /// # Errors
-    /// Why it cannot.
+    /// Fails when the file cannot be read or is damaged.
     pub(super) fn get(&self, path: &Path, key: &Key, grid: &Grid, kind: &Kind) -> io::Result<Given> {
         let read = File::open(path).and_then(|file| {
             let size = file.metadata()?.len();
@@ -167,13 +168,14 @@ impl Disk {
         });
         match &read {
             Ok(_) => {
-                // Its age tells the trimming what is in use; a folder that cannot be written is still good to read.
+                // The time of modification tells the trimming which files are in use. Setting it fails in a folder that
+                // cannot be written, which is no error.
                 let now = fs::FileTimes::new().set_modified(SystemTime::now());
                 let _ = File::options().append(true).open(path).and_then(|f| f.set_times(now));
             }
             Err(e) => {
                 lock(&self.shunned).insert(path.to_owned());
-                // Too many open files, or a disk that fails, say nothing about the file.
+                // Other errors, such as too many open files or a failing disk, do not mean that the file is damaged.
                 if e.kind() == io::ErrorKind::InvalidData {
                     let _ = fs::remove_file(path);
                 }
@@ -183,7 +185,8 @@ impl Disk {
     }
 }
 
-/// A file under a passing name with the permissions that the umask leaves: a temporary file is its maker's alone.
+/// A builder of files with a temporary name and the permissions of the umask; by default only their owner could read
+/// them.
 fn shared() -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PASSING);
@@ -200,7 +203,7 @@ fn name_of(grid: &Grid) -> String {
     format!("{}_{}_{}_{}", grid.col, grid.row, grid.cols, grid.rows)
 }
 
-/// The window that a file is named for.
+/// The window in the name of a file.
 fn window_of(name: &str, lattice: Lattice) -> Option<Grid> {
     let numbers: Option<Vec<i64>> = name.split('_').map(|n| n.parse().ok()).collect();
     let &[col, row, cols, rows] = &numbers?[..] else { return None };

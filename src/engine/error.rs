@@ -1,64 +1,65 @@
-//! Why an evaluation, or a part of it, did not happen.
+//! Errors of an evaluation, and of single values in it.
 
 use std::sync::Arc;
 
 use crate::node;
 
-/// Why a wanted value could not be made; everything that does not need it is made all the same.
+/// Why a wanted value could not be made. Values that do not depend on the failed node are made all the same.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum Failure {
-    /// A node is wrong in the document: bad parameter, missing input.
+    /// A node has a fault in the document, such as a bad parameter or a missing input.
     #[error("node `{node}`: {error}")]
     Document {
-        /// The node.
+        /// The name of the node.
         node: String,
-        /// What is wrong with it.
+        /// The fault of the node.
         error: node::Error,
     },
-    /// The document is wrong in more than one node, or in one that cannot be parsed: a cycle, an unknown kind.
+    /// The document has a fault that is not in one parsed node, such as a cycle or an unknown kind.
     #[error("{0}")]
     Graph(String),
     /// A file that a node names is missing, cannot be read, has changed, or is not what it should be.
     #[error("node `{node}`: {error}")]
     File {
-        /// The node.
+        /// The name of the node.
         node: String,
-        /// What is wrong with the file.
+        /// The fault of the file.
         error: node::Error,
     },
     /// A node failed while it ran.
     #[error("node `{node}`: {error}")]
     Run {
-        /// The node.
+        /// The name of the node.
         node: String,
-        /// Why.
+        /// The error of the run.
         error: node::Error,
     },
-    /// The work was asked to stop.
+    /// The evaluation was cancelled.
     #[error("cancelled")]
     Cancelled,
-    /// A result in the cache folder cannot be used; evaluations compute it themselves, so that this reaches nobody.
+    /// A result in the cache folder cannot be used. The engine then computes it, so that callers never see this
+    /// failure.
     #[error("a result in the cache folder cannot be used: {0}")]
     Cache(String),
-    /// A bug of the engine.
+    /// The engine has a bug.
     #[error("a bug of the engine: {0}")]
     Engine(String),
 }
 
-/// What kind of fault a failure is; exit codes follow from it.
+/// The cause of a failure, from which the exit code of the program follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// The graph is wrong.
     Document,
-    /// A file that the graph names is.
+    /// A file that the graph names is wrong.
     File,
-    /// A node could not do its work.
+    /// A node failed while it ran.
     Evaluation,
-    /// Somebody stopped it.
+    /// The evaluation was cancelled.
     Cancelled,
-    /// The cache folder.
+    /// The cache folder cannot be used.
     Cache,
-    /// The program itself.
+    /// The program has a bug.
     Engine,
 }
 
@@ -77,7 +78,7 @@ impl Cause {
 }
 
 impl Failure {
-    /// What is wrong with a node before it runs.
+    /// The failure of a node that has an error before it runs.
     pub(super) fn of_document(node: &str, error: node::Error) -> Self {
         let node = node.to_owned();
         match error {
@@ -87,7 +88,7 @@ impl Failure {
         }
     }
 
-    /// What went wrong while a node ran.
+    /// The failure of a node that has an error while it runs.
     pub(super) fn of_run(node: &str, error: node::Error) -> Self {
         let node = node.to_owned();
         match error {
@@ -105,7 +106,7 @@ impl Failure {
         }
     }
 
-    /// What kind of fault it is.
+    /// The cause of the failure.
     pub fn cause(&self) -> Cause {
         match self {
             Self::Document { .. } | Self::Graph(_) => Cause::Document,
@@ -121,10 +122,10 @@ impl Failure {
 /// A failure that several wanted values may share.
 pub type SharedFailure = Arc<Failure>;
 
-/// Why a whole evaluation did not happen.
+/// Why a whole evaluation failed or was refused.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum EngineError {
-    /// It would need more memory than it may use.
+    /// The estimated memory exceeds the budget.
     #[error(
         "the evaluation needs about {}, {} of them for the program and its writers, and may use {}: {at} is the peak. \
          Build a smaller --size, in tiles (--tile-size), or raise --memory",
@@ -133,21 +134,21 @@ pub enum EngineError {
     Memory {
         /// Estimated peak, in bytes, with the reserve.
         need: u64,
-        /// What is set aside for all but the evaluation, in bytes.
+        /// The part of the budget that is not for evaluations, in bytes.
         reserve: u64,
-        /// The budget, in bytes.
+        /// The memory budget, in bytes.
         budget: u64,
         /// The node at the peak.
         at: String,
     },
-    /// It would take longer than it may.
+    /// The estimated time exceeds the budget.
     #[error(
         "the evaluation would take about {need:.2} s and may take {budget:.2} s; build a smaller --size or raise --time"
     )]
     Time {
         /// Estimated seconds.
         need: f64,
-        /// The budget, in seconds.
+        /// The time budget, in seconds.
         budget: f64,
     },
     /// The cache folder cannot be used.
@@ -156,12 +157,12 @@ pub enum EngineError {
     /// The threads could not be started.
     #[error("the threads cannot be started: {0}")]
     Threads(String),
-    /// It was asked to stop.
+    /// The evaluation was cancelled.
     #[error("cancelled")]
     Cancelled,
 }
 
-/// Bytes as a person reads them.
+/// A number of bytes as text with a binary unit.
 pub fn bytes(n: u64) -> String {
     const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
     let mut value = n as f64;

@@ -1,5 +1,5 @@
-//! The files a graph may read (law 10): those in its own folder, in folders that the user allowed, and those that
-//! the user named on the command line. Checked by directory handle, not by text: no link leads out.
+//! The files that a graph may read (law 10): those in its own folder, in folders that the user allowed, and those that
+//! the user named on the command line. They are opened by directory handle, so that no link leads out of a folder.
 
 use std::collections::BTreeSet;
 use std::path::{Component, MAIN_SEPARATOR, Path, PathBuf};
@@ -13,10 +13,10 @@ use crate::node::{AnyNode, Error, FileRequest};
 use crate::source::Shelf;
 use crate::whole::is_device;
 
-/// Largest file that is read, in bytes.
+/// The most bytes of a file that is read.
 const MAX_BYTES: u64 = 16 << 30;
 
-/// What a graph may read, and what is known of files that were read before.
+/// The files that a graph may read, and the hashes and decoded values of those that were read before.
 #[derive(Debug, Default)]
 pub struct Files {
     allowed: Arc<Allowed>,
@@ -26,10 +26,10 @@ pub struct Files {
 }
 
 impl Files {
-    /// Allows a folder: the graph's own first, then those of the user.
+    /// Allows a folder. The folder of the graph comes first, then those of the user.
     ///
     /// # Errors
-    /// When it cannot be opened.
+    /// Fails when the folder cannot be opened.
     pub fn allow_folder(&mut self, folder: &Path) -> std::io::Result<()> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let dir = Dir::open_ambient_dir(folder, ambient_authority())?;
@@ -39,7 +39,7 @@ impl Files {
         Ok(())
     }
 
-    /// Allows one file by its exact path: what the user wrote on the command line is the user's own word.
+    /// Allows one file by its exact path, wherever it is, as the user named it on the command line.
     pub fn allow_file(&mut self, path: &Path) {
         let mut allowed = Allowed::clone(&self.allowed);
         allowed.named.insert(path.to_owned());
@@ -51,15 +51,15 @@ impl Files {
         self.pinned = self.pinned.is_some().then(|| self.fresh());
     }
 
-    /// Looks at every file once and for all: whatever is evaluated from now on speaks of the same content, and fails
-    /// where that has changed. Without this every evaluation looks anew.
+    /// Fixes the content of files: every file is opened once for all evaluations, and evaluations fail where its
+    /// content has changed since. Otherwise every evaluation opens the files again.
     #[must_use]
     pub fn pinned(self) -> Self {
         let sources = self.fresh();
         Self { pinned: Some(sources), ..self }
     }
 
-    /// The files as they are now, for one evaluation.
+    /// The files of one evaluation.
     pub(super) fn sources(&self) -> Arc<Sources> {
         self.pinned.clone().unwrap_or_else(|| self.fresh())
     }
@@ -68,38 +68,38 @@ impl Files {
         Arc::new(Sources::new(self.allowed.clone(), self.hashes.clone(), self.shelf.clone()))
     }
 
-    /// What was decoded from files.
+    /// The values decoded from files.
     pub(super) fn shelf(&self) -> &Shelf {
         &self.shelf
     }
 
-    /// Looks whether the files that a node asks for could be read, without reading them.
+    /// Checks that the files of a node can be opened, without reading them.
     ///
     /// # Errors
-    /// [`Error::File`] with the reason.
+    /// Returns [`Error::File`] with the reason.
     pub fn look(&self, node: &dyn AnyNode) -> Result<(), Error> {
         let found = self.sources().find(&node.files())?;
         node.reading(&found.into_iter().flatten().collect::<Vec<_>>()).map(drop)
     }
 
-    /// Where the file lies that a name stands for, if it may be read.
+    /// The path of the file that a name stands for, if it may be read.
     pub fn locate(&self, name: &str) -> Option<PathBuf> {
         self.allowed.open(name).ok().map(|(spot, _)| spot.path())
     }
 }
 
-/// A name that was written on Windows, with the separators of this system; none where they are the same.
+/// A name written on Windows, with the separators of this system; `None` where this changes nothing.
 pub fn on_this_system(name: &str) -> Option<String> {
     (MAIN_SEPARATOR == '/' && name.contains('\\')).then(|| name.replace('\\', "/"))
 }
 
-/// Whether a name begins with a drive, which only Windows has.
+/// Whether a name begins with a drive letter of Windows.
 fn has_drive(name: &str) -> bool {
     let is_drive = |b: &[u8]| matches!(b, [letter, b':', b'/' | b'\\', ..] if letter.is_ascii_alphabetic());
     MAIN_SEPARATOR == '/' && is_drive(name.as_bytes())
 }
 
-/// A path without its `.` and `..`, as it is written: no link is looked at.
+/// A path without `.` and `..`, resolved as text and without following links.
 fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {
@@ -119,18 +119,18 @@ pub(super) struct Allowed {
     named: BTreeSet<PathBuf>,
 }
 
-/// Where an allowed file lies.
+/// The place of an allowed file.
 #[derive(Clone, Debug)]
 pub(super) enum Spot {
-    /// Below a folder that is open.
+    /// The path and the handle of an allowed folder, and the path below it.
     Below(PathBuf, Arc<Dir>, PathBuf),
-    /// Where the user said.
+    /// The path of a file that the user named.
     Named(PathBuf),
 }
 
 impl Allowed {
-    /// Opens what a name stands for, and says where that was. Where no file has the very name, `\` parts folders as on
-    /// Windows: a graph is the same on every system.
+    /// Opens the file that a name stands for, and returns its place. Where no file has exactly this name, `\` separates
+    /// folders as on Windows, so that a graph works on every system.
     pub(super) fn open(&self, name: &str) -> Result<(Spot, std::fs::File), Refusal> {
         match (self.open_as(name), on_this_system(name)) {
             (Err(Refusal::Absent), _) if has_drive(name) => Err(Refusal::Drive),
@@ -166,11 +166,11 @@ impl Allowed {
                 found => return found,
             }
         }
-        // A file that is not there is no trespass where one folder at least might hold it.
+        // A file that does not exist is reported as absent, not as outside, where an allowed folder could contain it.
         Err(refused.unwrap_or(if inside { Refusal::Absent } else { Refusal::Outside }))
     }
 
-    /// The place of a path in the first allowed folder that holds it.
+    /// The place of a path in the first allowed folder that contains it.
     fn below(&self, path: &Path) -> Option<Spot> {
         let inside = |(root, dir): &(PathBuf, Arc<Dir>)| {
             Some(Spot::Below(root.clone(), dir.clone(), path.strip_prefix(root).ok()?.to_owned()))
@@ -185,16 +185,16 @@ impl Spot {
         Ok((self, file))
     }
 
-    /// Opens the file that lies here now: whatever was here before, it must be allowed anew.
+    /// Opens the file that is at this place now, with the same checks as the first time.
     pub(super) fn open(&self) -> Result<std::fs::File, Refusal> {
         match self {
             Self::Below(_, dir, path) => open_in(dir, path),
-            // The user's own word may be a link: only its target must be a regular file.
+            // A file that the user named may be a link; its target must be a regular file.
             Self::Named(full) => open_named(&full.canonicalize().map_err(Refusal::from)?),
         }
     }
 
-    /// The path, to know the file again.
+    /// The path, which identifies the file.
     pub(super) fn path(&self) -> PathBuf {
         match self {
             Self::Below(root, _, path) => root.join(path),
@@ -203,7 +203,7 @@ impl Spot {
     }
 }
 
-/// The folders that this user keeps as allowed, one a line, in the user's own settings.
+/// The folders that the user allows for all graphs, from the user's own configuration, one a line.
 pub fn kept_folders() -> Vec<PathBuf> {
     let home = std::env::var_os("XDG_CONFIG_HOME")
         .map(PathBuf::from)
@@ -212,13 +212,13 @@ pub fn kept_folders() -> Vec<PathBuf> {
     let text = std::fs::read_to_string(file).unwrap_or_default();
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
-    // A folder that is gone, or a drive that is not mounted, must not stop every build.
+    // Folders that do not exist, or are on a drive that is not mounted, are left out, so that they stop no build.
     lines.map(PathBuf::from).filter(|p| p.is_dir()).collect()
 }
 
-/// Opens below a directory handle; a link that leads out of it is refused by the handle.
+/// Opens a file below a directory handle, which refuses links that lead out of it.
 fn open_in(dir: &Dir, path: &Path) -> Result<std::fs::File, Refusal> {
-    // Looked at before it is opened: opening a pipe would wait for a writer for ever.
+    // The type is checked before the file is opened, because opening a pipe would block until there is a writer.
     let meta = dir.metadata(path).map_err(Refusal::from)?;
     if !meta.is_file() {
         return Err(Refusal::NotRegular);
@@ -245,7 +245,7 @@ fn open_named(path: &Path) -> Result<std::fs::File, Refusal> {
     open_in(&dir, Path::new(name))
 }
 
-/// So that a pipe put in place between the look and the opening does not block either.
+/// Sets an option by which opening does not block on a pipe that replaced the file after the check of its type.
 #[cfg(unix)]
 fn nonblocking(options: &mut OpenOptions) {
     use cap_std::fs::OpenOptionsExt as _;
@@ -288,7 +288,7 @@ impl From<std::io::Error> for Refusal {
     fn from(e: std::io::Error) -> Self {
         match e.kind() {
             std::io::ErrorKind::NotFound => Self::Absent,
-            // cap-std says "a path led outside of the filesystem" for links that lead out of the handle.
+            // This is the error of cap-std for links that lead out of the handle.
             std::io::ErrorKind::PermissionDenied if e.to_string().contains("outside") => Self::Outside,
             _ => Self::Unreadable(e.to_string()),
         }

@@ -1,9 +1,9 @@
-//! Values without a grid that are known while a plan is made.
+//! Gridless values that are known while a plan is made.
 //!
-//! What rasterising curves takes hangs on the curves, so a plan that did not know them could promise nothing. Kinds that
-//! say they are quick, since their parameters hold what they give, are run when the plan is made and their values used
-//! for nothing but the costs of those who read them. What hangs on the content of a file is not known then: an
-//! evaluation runs it first, and plans again.
+//! The cost of rasterising curves depends on the curves, so that a plan has to know them. Kinds that are declared
+//! quick, because their parameters contain their results, run while the plan is made; these values serve only to
+//! estimate the costs of nodes that read them. Values that depend on the content of a file are not known then: an
+//! evaluation computes them first and plans again.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -14,7 +14,7 @@ use crate::node::{Cancel, Context};
 use crate::ports::Wires;
 use crate::value::{Grid, Value};
 
-/// The values of steps that have no grid, as far as they are known.
+/// The known values of gridless steps.
 pub(super) struct Foretold<'a> {
     program: &'a Program,
     steps: Vec<Option<Wires>>,
@@ -25,7 +25,7 @@ impl<'a> Foretold<'a> {
         Self { program, steps: vec![None; program.steps.len()] }
     }
 
-    /// Takes up a step whose inputs were taken up before: its values where they are known.
+    /// Adds a step after the steps that it reads; returns its values where they are known.
     pub(super) fn take(&mut self, i: usize, stage: Stage, found: Option<&Found>) -> Option<&Wires> {
         let Ok(step) = &self.program.steps[i] else { return None };
         if stage == Stage::Gridless && self.steps[i].is_none() {
@@ -44,7 +44,8 @@ impl<'a> Foretold<'a> {
         self.steps[input.step].as_ref()?.get(&input.from).cloned()
     }
 
-    /// What a quick step gives; nothing where an input is not known, or it fails, which its run will say.
+    /// The values of a quick step. `None` where an input is not known, or where the step fails, which its run in the
+    /// evaluation reports.
     fn run(&self, step: &Step) -> Option<Wires> {
         if !step.kind.quick || !step.files.is_empty() {
             return None;
@@ -60,7 +61,7 @@ impl<'a> Foretold<'a> {
     }
 }
 
-/// Whether a role is that of a value the task itself works on.
+/// Whether a role is that of a value on which the task itself works.
 pub(super) fn is_input(role: &Role) -> bool {
     matches!(role, Role::Input(_))
 }

@@ -1,9 +1,9 @@
 //! Keys: content hashes that name results (law 7).
 //!
-//! A node's key holds its kind and version, the digest of its parameters in canonical form, the keys of its inputs, and those settings
-//! of terrain and seed that its kind declares to read. Of each file that the node asks for it holds the parameter, the
-//! last part of the name and the content, or that the file is not there. The key of a result adds the grid. Names,
-//! places on the canvas and comments are in neither.
+//! The key of a node depends on its kind and version, the digest of its parameters in canonical form, the keys of its
+//! inputs, and those settings of terrain and seed that its kind declares to read. For each file of the node it depends
+//! on the parameter, the last part of the file's name and the content, or on its absence. The key of a result adds the
+//! lattice. Names, places on the canvas and comments are in neither.
 
 use std::fmt;
 
@@ -28,7 +28,8 @@ impl fmt::Debug for Key {
     }
 }
 
-/// Collects what a result depends on; every part is written with its length, so that parts cannot run together.
+/// The hash of everything on which a result depends. Every part is written with its length, so that different parts
+/// never give the same bytes.
 struct Hasher(blake3::Hasher);
 
 impl Hasher {
@@ -44,7 +45,7 @@ impl Hasher {
     }
 
     fn number(&mut self, value: f64) {
-        // −0 and 0 are one value and must be one key.
+        // −0 and 0 are equal and must give one key; adding 0 turns −0 into 0.
         self.0.update(&(value + 0.0).to_bits().to_le_bytes());
     }
 
@@ -64,21 +65,21 @@ impl Hasher {
     }
 }
 
-/// What the key of a node is made of.
+/// The parts of the key of a node.
 pub(super) struct Parts<'a> {
     pub kind: &'a Kind,
     pub node: &'a dyn AnyNode,
-    /// The digest of its parameters; see [`Kind::digest`].
+    /// The digest of the parameters, see [`Kind::digest`].
     pub parameters: &'a [u8; 32],
     pub terrain: &'a Terrain,
-    /// Port, key of the source node, port of the source.
+    /// For each input, the port, the key of the source node and the port of the source.
     pub inputs: &'a [(Name, Key, Name)],
-    /// What it asked for, and the hash of what was found.
+    /// For each file, the request and the hash of the content; `None` where the file is absent.
     pub files: &'a [(FileRequest, Option<[u8; 32]>)],
 }
 
 impl Parts<'_> {
-    /// The key of the node, whatever the grid.
+    /// The key of the node, which does not depend on the grid.
     pub(super) fn key(&self) -> Key {
         let Parts { kind, node, parameters, terrain, inputs, files } = self;
         let mut h = Hasher::new("node");
@@ -94,7 +95,7 @@ impl Parts<'_> {
             h.part(b"file");
             h.part(request.parameter.as_bytes());
             h.integer(index as i64);
-            // The extension chooses the reader, and some formats say in the name where they lie.
+            // The extension chooses the reader, and in some formats the name has the place of the file on Earth.
             h.part(last_name(&request.name).as_bytes());
             h.part(content.as_ref().map_or(&[][..], |hash| &hash[..]));
         }
@@ -127,7 +128,7 @@ impl Parts<'_> {
             h.part(b"base");
             h.integer(i64::from(terrain.base));
         }
-        // The apron, where a local window ends, and the base grid hang on the rectangle of the terrain.
+        // The apron, at which local windows end, and the base grid depend on the rectangle of the terrain.
         if whole || matches!(reach, Reach::Local(_)) || reads.has(Reads::BASE) {
             h.part(b"bounds");
             let b = terrain.bounds();
@@ -138,7 +139,7 @@ impl Parts<'_> {
 }
 
 impl Key {
-    /// The key of what a node gives on any window of a lattice; windows of one key may be cut from each other.
+    /// The key of the results of a stage on any window of a lattice; a result on a window contains those on its parts.
     pub(super) fn on(&self, stage: &str, lattice: &Lattice) -> Self {
         let mut h = Hasher::new(stage);
         h.part(&self.0);

@@ -1,8 +1,9 @@
-//! How much memory there is, and what the process has used of the machine.
+//! The memory of the machine, and the memory and processor time that the process has used.
 
 use std::fs;
 
-/// The default budget: three quarters of the machine's memory, or of the control group's where that is less.
+/// The default memory budget in bytes: three quarters of the memory of the machine, or of the control group where that
+/// is less.
 pub fn default_budget() -> u64 {
     total().map_or(4 << 30, |t| t / 4 * 3)
 }
@@ -20,27 +21,27 @@ fn mem_total(text: &str) -> Option<u64> {
     kib.checked_mul(1024)
 }
 
-/// The most memory the process has held at once, where the system tells.
+/// The most bytes of memory that the process has used at once; `None` where the system does not say.
 pub fn process_peak() -> Option<u64> {
     let text = fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
     line.split_whitespace().next()?.parse::<u64>().ok()?.checked_mul(1024)
 }
 
-/// The processor time that the process has taken on all threads, in seconds, where the system tells.
+/// The processor time of the process on all threads, in seconds; `None` where the system does not say.
 pub fn process_seconds() -> Option<f64> {
     processor_seconds(&fs::read_to_string("/proc/self/stat").ok()?)
 }
 
 fn processor_seconds(stat: &str) -> Option<f64> {
-    // The name of the program stands in brackets and may hold anything, brackets among it.
+    // The name of the program is in parentheses and may itself contain parentheses.
     let (_, rest) = stat.rsplit_once(')')?;
     let mut fields = rest.split_whitespace().skip(11);
     let (user, system): (u64, u64) = (fields.next()?.parse().ok()?, fields.next()?.parse().ok()?);
     Some((user + system) as f64 / TICKS)
 }
 
-/// Ticks a second in what Linux tells programs, on every machine it runs on (`USER_HZ`).
+/// Ticks a second in the numbers of Linux, the same on every machine (`USER_HZ`).
 const TICKS: f64 = 100.0;
 
 #[cfg(test)]

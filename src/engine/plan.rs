@@ -1,7 +1,7 @@
-//! What an evaluation will run: which node, on which grid, at what cost, and what the cache has already.
+//! The plan of an evaluation: which nodes run, on which grids, at what cost, and which results the cache has.
 //!
-//! Windows are asked for from the consumers up: each node collects the windows that its consumers need, one per
-//! lattice, before it asks its own sources; so nothing runs twice. What the cache holds asks for nothing.
+//! Windows are collected from the consumers up. Each node collects the windows that its consumers need, one for each
+//! lattice, before it asks its own sources, so that no task runs twice. Cached results need no sources.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -23,11 +23,11 @@ use crate::value::{Grid, Quantity};
 pub enum Stage {
     /// Runs a gridless node.
     Gridless,
-    /// Computes a statistic of the whole on the base grid.
+    /// Computes the summary of the whole terrain on the base grid.
     Summary,
     /// Runs a global node on the base grid.
     Base,
-    /// Carries the result of a global node to the grid of its consumer.
+    /// Brings the result of a global node to the grid of its consumer.
     Lift,
     /// Runs a point or local node.
     Run,
@@ -46,69 +46,69 @@ impl Stage {
     }
 }
 
-/// What a dependency is for; an input by its place among those of the step.
+/// The role of a dependency of a task. Inputs are given by their index among those of the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     /// An input of the kind.
     Input(usize),
     /// An input of the kind on one of its further windows, in the order of their list.
     View(usize),
-    /// The statistic of the whole.
+    /// The summary of the whole terrain.
     Summary,
-    /// A global node's own result on the base grid.
+    /// The result of a global node on the base grid.
     Base,
-    /// An input of a global node on the base grid: what its change is measured against.
+    /// An input of a global node on the base grid, from which its change is measured.
     Before(usize),
-    /// An input on the output grid itself: what the result is mixed with or carried onto.
+    /// An input on the grid of the output, which the result is mixed with or carried onto.
     Fine(usize),
 }
 
-/// One piece of work.
+/// One stage of one step on one grid.
 #[derive(Clone, Debug)]
 pub(super) struct Task {
     pub step: usize,
     pub stage: Stage,
     pub grid: Grid,
-    /// None while the content of a file upstream is not known.
+    /// The key of the result; `None` while the content of a file upstream is not known.
     pub key: Option<Key>,
     pub cost: Cost,
-    /// The outputs that somebody reads.
+    /// The outputs that are read.
     pub read: Outputs,
-    /// Bytes of those.
+    /// Bytes of the outputs that are read.
     pub output_bytes: u64,
-    /// Bytes of the cost that are for files.
+    /// The part of the bytes of the cost that is for files.
     pub file_bytes: u64,
     pub found: Option<Found>,
     pub needs: Vec<(Role, usize)>,
-    /// It has no grid, and what it gives is not known before it runs.
+    /// Whether the task is gridless and its result is not known before it runs.
     pub guessed: bool,
-    /// Whether the result stays when the evaluation is done, since the next will read it.
+    /// Whether the result stays for the next evaluation, which will read it.
     pub lasting: bool,
 }
 
 impl Task {
-    /// The grid it runs on; none for a gridless node.
+    /// The grid of the task; `None` for a gridless node.
     pub(super) fn grid(&self) -> Option<Grid> {
         (self.stage != Stage::Gridless).then_some(self.grid)
     }
 
-    /// Bytes it adds while it runs; what stays in any case is counted from the start.
+    /// Bytes that the task adds while it runs; results that stay are counted from the start.
     pub(super) fn bytes(&self) -> u64 {
         let output = if self.held() || self.lasting { 0 } else { self.output_bytes };
         output.saturating_add(self.scratch_bytes())
     }
 
-    /// Bytes it adds and gives back.
+    /// Bytes that the task adds and releases when it is done.
     pub(super) fn scratch_bytes(&self) -> u64 {
         if self.held() { 0 } else { self.cost.bytes }
     }
 
-    /// Bytes that are free when nobody reads its result any more.
+    /// Bytes that are released after the last read of the result.
     pub(super) fn released_bytes(&self) -> u64 {
         if self.lasting { 0 } else { self.output_bytes }
     }
 
-    /// Whether its result is in memory before it runs.
+    /// Whether the result is in memory before the evaluation.
     pub(super) fn held(&self) -> bool {
         matches!(self.found, Some(Found::Memory(..)))
     }
@@ -117,46 +117,46 @@ impl Task {
 /// An output of a step on a grid.
 pub(super) type Target = (usize, Name, Grid);
 
-/// A value that is wanted: its task, or why it cannot be made.
+/// A wanted value: the index of its task, or why it cannot be made.
 pub(super) type Wanted = Result<usize, SharedFailure>;
 
-/// An evaluation before it runs.
+/// The tasks of an evaluation before it runs.
 #[derive(Debug)]
 pub struct Plan {
     pub(super) program: Arc<Program>,
     pub(super) tasks: Vec<Task>,
     pub(super) wanted: Vec<Wanted>,
-    /// What the numbers of each wanted value mean.
+    /// The quantity of each wanted value.
     quantities: Vec<Option<Quantity>>,
     pub(super) peak: Peak,
     /// Bytes decoded from files that stay for the next evaluation.
     shelf_bytes: u64,
 }
 
-/// A task as a person sees it in a plan.
+/// A task of a plan, for display.
 #[derive(Clone, Debug)]
 pub struct PlannedTask {
     /// Name of the node.
     pub node: String,
-    /// Its kind.
+    /// Kind of the node.
     pub kind: Name,
     /// What the task does.
     pub stage: Stage,
-    /// The grid it runs on; none for a gridless node.
+    /// The grid of the task; `None` for a gridless node.
     pub grid: Option<Grid>,
-    /// Spacing of the finest detail its result can hold, in metres.
+    /// Spacing of the finest detail that the result can hold, in metres.
     pub effective_cell: f64,
-    /// Whether the cache has its result: `memory`, `disk`, or not.
+    /// Where the cache has the result, `memory` or `disk`; `None` where it will be computed.
     pub cached: Option<&'static str>,
-    /// Bytes of its outputs.
+    /// Bytes of the outputs that are read.
     pub output_bytes: u64,
     /// Estimated cost.
     pub cost: Cost,
 }
 
 impl Plan {
-    /// The plan for some outputs of steps on grids; `lasting` where more of the same will be asked for. Nothing when it is
-    /// cancelled.
+    /// The plan for outputs of steps on grids; with `lasting`, results that further evaluations will read stay. `None`
+    /// when the work is cancelled.
     pub(super) fn new(
         program: Arc<Program>,
         wants: &[Result<Target, SharedFailure>],
@@ -175,13 +175,13 @@ impl Plan {
         Some(Self { program, tasks, wanted, quantities, peak, shelf_bytes })
     }
 
-    /// Estimated peak of memory when run in order, in bytes; files count in the tasks that read them.
+    /// The estimated peak of memory when tasks run in order, in bytes; files count in the tasks that read them.
     pub fn peak_bytes(&self) -> u64 {
         self.peak.bytes
     }
 
-    /// The files whose content is not known yet, each with the node that asks for it: until it is, nothing that
-    /// depends on them is found in a cache.
+    /// The files whose content is not known yet, each with the name of its node. Results that depend on them are not
+    /// found in the cache.
     pub(super) fn unread(&self) -> Vec<(&str, &Arc<SourceFile>)> {
         let mut seen = BTreeSet::new();
         let steps = self.program.steps.iter().flatten();
@@ -189,28 +189,28 @@ impl Plan {
         files.filter(|(_, f)| seen.insert(f.name())).collect()
     }
 
-    /// Bytes of files that must be read once before it is known what they hold.
+    /// Bytes of files whose content is not known yet.
     pub fn unread_bytes(&self) -> u64 {
         self.unread().iter().fold(0, |sum, (_, f)| sum.saturating_add(f.len()))
     }
 
-    /// Seconds that takes, on one thread.
+    /// Estimated seconds to read the files whose content is not known yet, on one thread.
     pub fn unread_seconds(&self) -> f64 {
         self.unread_bytes() as f64 * SECONDS_PER_BYTE
     }
 
-    /// The most bytes that a node takes for its files alone, with its name.
+    /// The most bytes that a node takes for its files alone, with the name of the node.
     pub(super) fn largest_reading(&self) -> (u64, &str) {
         let steps = self.program.steps.iter().flatten();
         steps.map(|s| (s.reading().bytes, s.name())).max().unwrap_or_default()
     }
 
-    /// Why each wanted value cannot be made, where that is known before anything runs.
+    /// For each wanted value, the failure that is known before any task runs.
     pub fn failures(&self) -> Vec<Option<SharedFailure>> {
         self.wanted.iter().map(|w| w.as_ref().err().cloned()).collect()
     }
 
-    /// Values without a grid that are not known yet though what others cost hangs on them, each wanted where it stands.
+    /// The gridless values that are not known yet and on which the costs of other tasks depend, as wants.
     pub(super) fn guessed(&self) -> Vec<super::Want> {
         let read = self.tasks.iter().filter(|t| t.stage != Stage::Gridless && t.found.is_none());
         let inputs =
@@ -224,7 +224,7 @@ impl Plan {
         guessed.into_iter().filter_map(want).collect()
     }
 
-    /// Bytes that are counted before anything runs.
+    /// Bytes that count as alive before any task runs.
     pub(super) fn standing_bytes(&self) -> u64 {
         account::standing_bytes(&self.tasks).saturating_add(self.shelf_bytes)
     }
@@ -239,17 +239,17 @@ impl Plan {
         account::lasting_bytes(&self.tasks)
     }
 
-    /// How often each task's result is read.
+    /// For each task, how often its result is read.
     pub(super) fn uses(&self) -> Vec<usize> {
         account::uses(&self.tasks, &self.wanted)
     }
 
-    /// Hands over the results that were in memory, so that each can go when its last reader is done.
+    /// Takes the results that were in memory out of the plan, so that each is dropped after its last read.
     pub(super) fn take_held(&mut self) -> Vec<Option<(Given, Warnings)>> {
         self.tasks.iter_mut().map(|t| t.found.as_mut().and_then(Found::take)).collect()
     }
 
-    /// The tasks that read each task's result, once for each reading.
+    /// For each task, the tasks that read its result, once for each read.
     pub(super) fn consumers(&self) -> Vec<Vec<usize>> {
         let mut consumers = vec![Vec::new(); self.tasks.len()];
         for (i, task) in self.tasks.iter().enumerate() {
@@ -258,12 +258,12 @@ impl Plan {
         consumers
     }
 
-    /// Distance between samples of the base grid, in metres.
+    /// The cell of the base grid, in metres.
     pub fn base_cell(&self) -> f64 {
         self.program.terrain.base_cell()
     }
 
-    /// Nodes whose narrowest feature the base grid cannot hold: two of its cells are wider.
+    /// The nodes with a feature narrower than two cells of the base grid, with its width in metres.
     pub fn too_narrow(&self) -> Vec<(&str, f64)> {
         let base = self.base_cell();
         let steps = self.program.steps.iter().flatten().filter(|s| s.reach == Reach::Global);
@@ -271,12 +271,12 @@ impl Plan {
         narrow.filter(|(_, width)| *width < 2.0 * base).collect()
     }
 
-    /// Estimated seconds on one core, those for getting to know the content of files among them.
+    /// Estimated seconds on one core, with those for reading files whose content is not known.
     pub fn seconds(&self) -> f64 {
         self.run_seconds() + self.unread_seconds()
     }
 
-    /// Estimated seconds of the tasks on one core.
+    /// Estimated seconds of the tasks alone, on one core.
     pub fn run_seconds(&self) -> f64 {
         self.tasks.iter().filter(|t| !t.held()).map(|t| t.cost.seconds).fold(0.0, |a, b| a + b)
     }
@@ -300,14 +300,14 @@ impl Plan {
         self.tasks.iter().enumerate().map(one).collect()
     }
 
-    /// Spacing of the finest detail a wanted value can hold, in metres: that of its grid, or the base grid's where
-    /// a global node stands before it; 0 for what is gridless. `None` when it cannot be made.
+    /// The spacing of the finest detail that a wanted value can hold, in metres: the cell of its grid, or that of the
+    /// base grid where a global node is upstream; 0 for a gridless value. `None` where the value cannot be made.
     pub fn effective_cell(&self, want: usize) -> Option<f64> {
         let task = *self.wanted.get(want)?.as_ref().ok()?;
         Some(self.effective_cells()[task])
     }
 
-    /// What the numbers of a wanted value mean, known before anything runs; `None` where it has none or cannot be made.
+    /// The quantity of a wanted value, which is known before any task runs; `None` where it has none or cannot be made.
     pub fn quantity(&self, want: usize) -> Option<Quantity> {
         self.quantities.get(want).copied().flatten()
     }
@@ -322,7 +322,7 @@ impl Plan {
                 Stage::Summary | Stage::Base | Stage::Run => task.grid.cell(),
             };
             let inputs = task.needs.iter().filter(|(role, _)| matches!(role, Role::Input(_) | Role::Fine(_)));
-            // A cached lift has no inputs to look at; its own rule covers it.
+            // A cached lift has no inputs here. One that carries a change is as coarse as the base grid at least.
             let carried = task.stage == Stage::Lift && !self.step(task).kind.carries.is_empty();
             let widest = inputs.map(|(_, t)| cells[*t]).fold(own, f64::max);
             cells.push(if carried { widest.max(base) } else { widest });
@@ -337,7 +337,7 @@ impl Plan {
         }
     }
 
-    /// Name of the node at the peak of memory.
+    /// The name of the node at the peak of memory.
     pub(super) fn peak_node(&self) -> String {
         self.tasks.get(self.peak.task).map(|t| format!("node `{}`", self.step(t).name())).unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! What earlier programs made ready: a hand changes one node after the other, and the rest is as it was.
+//! Nodes prepared by earlier programs. In the editor one node changes at a time, and the others are taken over.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,11 +7,11 @@ use super::program::{Program, Ready};
 use crate::graph::{Graph, NodeId};
 use crate::value::Terrain;
 
-/// Nodes that an engine knows beyond those of the graph it was asked about last: a session has a few graphs at once, such
-/// as that of the window and one that is opened.
+/// Number of prepared nodes beyond those of the last graph. A session has a few graphs at once, such as that of the
+/// window and one that is being opened.
 const SPARE: usize = 4096;
 
-/// Nodes that are ready to run, by their ids, in one terrain.
+/// The nodes that are ready to run, by id, for one terrain.
 #[derive(Debug, Default)]
 pub(super) struct Prepared(Mutex<Shelf>);
 
@@ -22,13 +22,13 @@ struct Shelf {
 }
 
 impl Prepared {
-    /// What was made of a node in a terrain, whether or not the node is still the same.
+    /// The prepared form of a node in a terrain; the caller checks that the node is unchanged.
     pub(super) fn get(&self, terrain: &Terrain, id: NodeId) -> Option<Arc<Ready>> {
         let shelf = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if shelf.terrain == *terrain { shelf.nodes.get(&id).cloned() } else { None }
     }
 
-    /// Keeps what a program made ready.
+    /// Stores the nodes that a program prepared.
     pub(super) fn keep(&self, graph: &Graph, program: &Program) {
         let mut shelf = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if shelf.terrain != program.terrain {

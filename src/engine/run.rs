@@ -1,8 +1,8 @@
-//! Runs the tasks of a plan: independent ones side by side, within the budget of memory.
+//! The runner, which schedules the tasks of a plan: independent tasks run side by side, within the memory budget.
 //!
-//! Tasks start in order. The first that is not done may always run: the estimate of the peak is that of running in
-//! order. Others start ahead of it only while what they hold fits beside what the tasks before them will, so the account
-//! never goes over the estimate and never comes to a standstill.
+//! Tasks start in the order of the plan. The first task that is not done may always start, because the estimated peak
+//! is that of running in order. Later tasks start ahead of it only while their bytes fit beside those of the tasks
+//! before them. The account therefore never exceeds the estimate, and the runner never deadlocks.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -16,83 +16,28 @@ use rayon::Scope;
 
 use super::cache::{Found, Given, Store, Warnings};
 use super::error::{Failure, SharedFailure};
-use super::outputs::Outputs;
-use super::plan::{Plan, Role, Stage, Task};
-use super::program::{Input, Step};
-use super::{Keep, lift, mix};
-use crate::name::Name;
+use super::observer::{Observer, TaskReport};
+use super::options::Keep;
+use super::plan::{Plan, Role, Task};
+use super::stage::{perform, views};
 use crate::node::{Cancel, Context, Error, Kind, Result};
-use crate::ports::{MASK, Wires};
-use crate::value::{Grid, Quantity, Value};
+use crate::ports::Wires;
 use crate::work::Work;
 
-/// What happens while an evaluation runs; called from several threads.
-pub trait Observer: Sync {
-    /// The content of a file that a node names is read to know what it holds: the finished share, 0 to 1.
-    fn reading(&self, node: &str, file: &str, share: f32) {
-        let _ = (node, file, share);
-    }
-    /// The plan is made and admitted; tasks are numbered by their place in it.
-    fn planned(&self, plan: &Plan) {
-        let _ = plan;
-    }
-    /// A task starts.
-    fn started(&self, task: usize) {
-        let _ = task;
-    }
-    /// The finished share of a task, 0 to 1.
-    fn progress(&self, task: usize, share: f32) {
-        let _ = (task, share);
-    }
-    /// A task is done or has failed.
-    fn finished(&self, task: usize, seconds: f64) {
-        let _ = (task, seconds);
-    }
-}
-
-/// Nobody looks.
-#[derive(Clone, Copy, Debug)]
-pub struct Unobserved;
-
-impl Observer for Unobserved {}
-
-/// What a task did.
-#[derive(Clone, Debug)]
-pub struct TaskReport {
-    /// Name of the node.
-    pub node: String,
-    /// Its kind.
-    pub kind: Name,
-    /// What the task did.
-    pub stage: Stage,
-    /// The grid it ran on; none for a gridless node.
-    pub grid: Option<Grid>,
-    /// Where the cache had the result: `memory`, `disk`, or not.
-    pub cached: Option<&'static str>,
-    /// Seconds it took.
-    pub seconds: f64,
-    /// Bytes of its outputs.
-    pub bytes: u64,
-    /// What the node said of its result, also where memory had it, sorted. A result that somebody warned of is written
-    /// to no file, so that the next process hears it, too; a node whose consumers all were cached is not asked.
-    pub warnings: Vec<String>,
-    /// Whether it ended with a result.
-    pub done: bool,
-}
-
-/// The end of a task: what it gives, or what failed.
+/// The end of a task: its result, or the failure.
 type End = Result<Arc<Given>, SharedFailure>;
 
-/// What the tasks of a plan gave.
+/// The results of a plan.
 pub(super) struct Ran {
     pub wanted: Vec<Result<Arc<Given>, SharedFailure>>,
     pub reports: Vec<TaskReport>,
-    /// A file of the cache that the plan counted on could not be used.
-    pub lost: bool,
-    /// Most bytes that were alive at once, by account.
+    /// Whether a file of the cache folder that the plan relied on could not be used.
+    pub is_cache_lost: bool,
+    /// The most bytes that were alive at once, by account.
     pub peak_bytes: u64,
 }
 
+/// A plan and what it needs to run.
 pub(super) struct Runner<'a> {
     pub plan: &'a Plan,
     /// Results of the plan that were in memory, by task.
@@ -102,32 +47,35 @@ pub(super) struct Runner<'a> {
     pub pool: &'a rayon::ThreadPool,
     pub observer: &'a dyn Observer,
     pub cancel: &'a Cancel,
-    /// Most bytes that may be alive at once, by account: the peak of the plan, or more.
+    /// The most bytes that may be alive at once, by account; at least the peak of the plan.
     pub limit: u64,
 }
 
-/// How far beyond the first task that is not done others are looked for: enough for any number of threads, and little
-/// work where thousands are ready.
+/// Number of tasks beyond the first unfinished one among which the runner looks for the next to start. It is enough for
+/// any number of threads, and keeps the search short where thousands of tasks are ready.
 const LOOK_AHEAD: usize = 1024;
 
+/// The progress of a run.
 struct State {
     ends: Vec<Option<End>>,
-    /// Needs of each task that are not done.
+    /// For each task, the number of tasks it needs that are not done.
     missing: Vec<usize>,
-    /// Tasks whose needs are done and that have not started.
+    /// Tasks that have not started and whose needs are done.
     ready: BTreeSet<usize>,
-    /// Tasks that run; more than there are threads would only hold memory.
+    /// Number of tasks that run; it does not exceed the number of threads, since further tasks would only hold memory.
     running: usize,
     /// The first task that is not done.
     first: usize,
+    /// For each task, how often its result will still be read.
     uses: Vec<usize>,
     reports: BTreeMap<usize, TaskReport>,
-    /// Bytes that tasks beyond the first unfinished one hold.
+    /// Bytes that each task beyond the first unfinished one holds.
     ahead: BTreeMap<usize, u64>,
     held: Vec<Option<(Given, Warnings)>>,
+    /// Bytes that are alive, by account.
     alive: u64,
     peak: u64,
-    lost: bool,
+    is_cache_lost: bool,
 }
 
 impl State {
@@ -146,11 +94,11 @@ impl State {
             held,
             alive: plan.standing_bytes(),
             peak: plan.standing_bytes(),
-            lost: false,
+            is_cache_lost: false,
         }
     }
 
-    /// Enters a task as started and hands over what it needs.
+    /// Marks a task as started and returns the results that it needs.
     fn start(&mut self, i: usize, task: &Task) -> Vec<Option<End>> {
         self.ready.remove(&i);
         self.running += 1;
@@ -178,12 +126,12 @@ impl Runner<'_> {
         Ran {
             wanted,
             reports: state.reports.into_values().collect(),
-            lost: state.lost,
+            is_cache_lost: state.is_cache_lost,
             peak_bytes: state.peak,
         }
     }
 
-    /// Starts every task that is ready and may start; each, when it ends, starts those that waited for it.
+    /// Starts every task that is ready and may start. Each task, when it ends, starts further ones.
     fn launch<'s>(&'s self, scope: &Scope<'s>, state: &'s Mutex<State>, consumers: &'s [Vec<usize>]) {
         let lock = || state.lock().unwrap_or_else(PoisonError::into_inner);
         let mut guard = lock();
@@ -195,8 +143,8 @@ impl Runner<'_> {
                 let (end, report, lost) = self.execute(i, task, held, &given);
                 drop(given);
                 let mut guard = lock();
-                guard.lost |= lost;
-                self.settle(&mut guard, i, task, end, report);
+                guard.is_cache_lost |= lost;
+                self.finish(&mut guard, i, task, end, report);
                 for &consumer in &consumers[i] {
                     guard.missing[consumer] -= 1;
                     if guard.missing[consumer] == 0 {
@@ -212,7 +160,7 @@ impl Runner<'_> {
     /// The first task that is ready and may start.
     fn next(&self, state: &State) -> Option<usize> {
         let threads = self.pool.current_num_threads();
-        if self.cancel.is_cancelled() || state.lost || state.running >= threads {
+        if self.cancel.is_cancelled() || state.is_cache_lost || state.running >= threads {
             return None;
         }
         let first = state.ready.first().copied()?;
@@ -221,7 +169,7 @@ impl Runner<'_> {
         }
         let (course, tasks) = (&self.plan.peak.course, &self.plan.tasks);
         let ahead: u64 = state.ahead.values().sum();
-        // What the tasks up to there hold at most while they run in their order, with what is ahead already.
+        // The most bytes that the tasks up to `reached` hold while they run in order.
         let reached = state.ahead.last_key_value().map_or(state.first, |(last, _)| *last);
         let mut before = course[state.first..=reached].iter().copied().max().unwrap_or(0);
         let mut next = reached + 1;
@@ -240,8 +188,8 @@ impl Runner<'_> {
         None
     }
 
-    /// Enters the end of a task and lets go of what nobody needs any more.
-    fn settle(&self, state: &mut State, i: usize, task: &Task, end: End, report: TaskReport) {
+    /// Records the end of a task and releases the results that no task will read any more.
+    fn finish(&self, state: &mut State, i: usize, task: &Task, end: End, report: TaskReport) {
         state.running -= 1;
         state.alive = state.alive.saturating_sub(task.scratch_bytes());
         if let Some(ahead) = state.ahead.get_mut(&i) {
@@ -255,7 +203,7 @@ impl Runner<'_> {
             state.uses[t] = state.uses[t].saturating_sub(1);
             if state.uses[t] == 0 {
                 state.alive = state.alive.saturating_sub(self.plan.tasks[t].released_bytes());
-                // The end stays marked as done; the values go.
+                // The task stays marked as done without its values.
                 if let Some(Ok(given)) = &mut state.ends[t] {
                     *given = Arc::new(Given::Wires(Wires::default()));
                 }
@@ -267,6 +215,8 @@ impl Runner<'_> {
         state.ahead = state.ahead.split_off(&state.first);
     }
 
+    /// Runs a task, or takes its result from the cache. The last of the three results says whether a file of the cache
+    /// folder was lost.
     fn execute(
         &self,
         i: usize,
@@ -287,7 +237,7 @@ impl Runner<'_> {
                     Ok(Arc::new(given))
                 }
                 (Some(Found::Disk(path)), _) => match self.load(path, task, &step.kind) {
-                    Ok(given) => Ok(self.kept(task, &step.kind, given, &warnings)),
+                    Ok(given) => Ok(self.stored(task, &step.kind, given, &warnings)),
                     Err(why) => {
                         lost = true;
                         Err(Arc::new(Failure::Cache(format!("{why}: {}", path.display()))))
@@ -314,7 +264,7 @@ impl Runner<'_> {
         (end, report, lost)
     }
 
-    /// A result from the cache folder.
+    /// Reads a result from the cache folder.
     fn load(&self, path: &Path, task: &Task, kind: &Kind) -> io::Result<Given> {
         let (Some(disk), Some(key)) = (&self.store.disk, task.key) else {
             return Err(io::ErrorKind::NotFound.into());
@@ -322,6 +272,7 @@ impl Runner<'_> {
         disk.get(path, &key, &task.grid, kind)
     }
 
+    /// Computes the result of a task and stores it in the caches.
     fn compute(
         &self,
         i: usize,
@@ -337,7 +288,7 @@ impl Runner<'_> {
             _ => None,
         });
         let views = views(step, &needs)?;
-        // Progress arrives from many threads; only steps of a hundredth go on.
+        // Progress arrives from many threads; the observer is told of steps of a hundredth.
         let last = AtomicU64::new(0);
         let progress = |share: f32| {
             let now = (f64::from(share) * 100.0) as u64;
@@ -345,7 +296,7 @@ impl Runner<'_> {
                 self.observer.progress(i, share);
             }
         };
-        // From any thread, in any order, and perhaps the same twice.
+        // Warnings arrive from any thread, in any order, and perhaps more than once; the set sorts them.
         let said = Mutex::new(BTreeSet::new());
         let warn = |message: String| {
             said.lock().unwrap_or_else(PoisonError::into_inner).insert(message);
@@ -359,21 +310,21 @@ impl Runner<'_> {
             files: &step.files,
             work: Work::new(self.cancel).telling(&progress).warning(&warn),
         };
-        let work = || stage(&cx, task, step, &needs);
+        let work = || perform(&cx, task, step, &needs);
         let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)));
         *warnings = said.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect();
         let given = given?;
-        // A file holds no warnings, and what a quick kind gives is made sooner than read.
-        let lasts = given.is_kept() && warnings.is_empty() && !step.kind.quick;
-        let disk = self.store.disk.as_ref().filter(|_| lasts);
+        // A file of the cache holds no warnings, and a quick kind computes its result sooner than a file is read.
+        let is_for_disk = given.is_kept() && warnings.is_empty() && !step.kind.quick;
+        let disk = self.store.disk.as_ref().filter(|_| is_for_disk);
         if let Some((disk, key)) = disk.zip(task.key) {
             disk.put(&key, &task.grid, &given);
         }
-        Ok(self.kept(task, &step.kind, given, warnings))
+        Ok(self.stored(task, &step.kind, given, warnings))
     }
 
-    /// What of a result goes on to its readers; the store has its share.
-    fn kept(&self, task: &Task, kind: &Kind, given: Given, warnings: &Warnings) -> Arc<Given> {
+    /// Stores a result in memory as far as `keep` says, and returns the part that is read.
+    fn stored(&self, task: &Task, kind: &Kind, given: Given, warnings: &Warnings) -> Arc<Given> {
         if self.keep == Keep::Everything
             && let Some(key) = task.key
         {
@@ -390,6 +341,7 @@ impl Runner<'_> {
     }
 }
 
+/// The error of a node that panicked.
 fn panicked(panic: &(dyn std::any::Any + Send)) -> Error {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     let message =
@@ -401,121 +353,4 @@ fn panicked(panic: &(dyn std::any::Any + Send)) -> Error {
 fn inputs(needs: &[Option<End>]) -> Result<Vec<Arc<Given>>, SharedFailure> {
     let missing = || Arc::new(Failure::Engine("an input was not computed".into()));
     needs.iter().map(|n| n.clone().unwrap_or_else(|| Err(missing()))).collect()
-}
-
-type Needs<'a> = [(Role, &'a Arc<Given>)];
-
-fn stage(cx: &Context<'_>, task: &Task, step: &Step, needs: &Needs<'_>) -> Result<Given> {
-    let (node, kind) = (&step.node, &*step.kind);
-    let mut own = Wires::default();
-    for (role, given) in needs {
-        if let (Role::Input(i), Some(wires)) = (role, given.wires()) {
-            put(&mut own, &step.inputs[*i], wires)?;
-        }
-    }
-    let mut out = match task.stage {
-        Stage::Summary => return node.summarize(cx, own).map(Given::Summary),
-        Stage::Gridless | Stage::Base | Stage::Run => node.run(cx, own)?,
-        Stage::Lift => lifted(cx, step, task.read, needs)?,
-    };
-    let made = if task.stage == Stage::Lift { task.read } else { Outputs::all(kind) };
-    check(&task.grid, step, made, &out)?;
-    if !matches!(task.stage, Stage::Gridless | Stage::Base) && !kind.mixes.is_empty() {
-        let fine = fine_inputs(step, needs)?;
-        if let Some(Value::Field(mask)) = fine.get(&MASK.name) {
-            mix::mix(cx, &kind.mixes, &fine, mask, &mut out)?;
-        }
-    }
-    Ok(Given::Wires(out))
-}
-
-fn put(wires: &mut Wires, input: &Input, given: &Wires) -> Result<()> {
-    wires.put(input.port.clone(), read(input, given)?.clone());
-    Ok(())
-}
-
-/// What an input reads of the values that its step gave.
-fn read<'a>(input: &Input, given: &'a Wires) -> Result<&'a Value> {
-    given.get(&input.from).ok_or_else(|| Error::Missing { port: input.port.clone() })
-}
-
-/// The inputs on their further windows.
-fn views(step: &Step, needs: &Needs<'_>) -> Result<Vec<(Name, Value)>> {
-    let mut views = Vec::new();
-    for (role, given) in needs {
-        if let (Role::View(i), Some(wires)) = (role, given.wires()) {
-            let input = &step.inputs[*i];
-            views.push((input.port.clone(), read(input, wires)?.clone()));
-        }
-    }
-    Ok(views)
-}
-
-fn fine_inputs(step: &Step, needs: &Needs<'_>) -> Result<Wires> {
-    let mut fine = Wires::default();
-    for (role, given) in needs {
-        if let (Role::Fine(i), Some(wires)) = (role, given.wires()) {
-            put(&mut fine, &step.inputs[*i], wires)?;
-        }
-    }
-    Ok(fine)
-}
-
-/// The outputs of a global node that are read, on the grid of its consumer.
-fn lifted(cx: &Context<'_>, step: &Step, read: Outputs, needs: &Needs<'_>) -> Result<Wires> {
-    let base = needs.iter().find_map(|(role, g)| if *role == Role::Base { g.wires() } else { None });
-    let base = base.ok_or_else(|| Error::Output {
-        port: Name::default(),
-        message: "was not computed on the base grid".into(),
-    })?;
-    let fine = fine_inputs(step, needs)?;
-    let mut out = Wires::default();
-    for (port, after) in base.iter().filter(|(port, _)| read.has(&step.kind, port)) {
-        let carried = step.kind.carries.iter().find(|(output, _)| output == port).map(|(_, input)| input);
-        let before = carried.and_then(|input| {
-            needs.iter().find_map(|(role, g)| match role {
-                Role::Before(i) if step.inputs[*i].port == *input => g.wires()?.get(&step.inputs[*i].from),
-                _ => None,
-            })
-        });
-        let value = match (before, carried.and_then(|input| fine.get(input))) {
-            (Some(before), Some(fine)) => lift::carry(cx, fine, before, after)?,
-            _ => lift::lift(cx, after)?,
-        };
-        out.put(port.clone(), value);
-    }
-    Ok(out)
-}
-
-/// Law 8: every output that was to be made is there, on its grid, of its type, and finite.
-fn check(grid: &Grid, step: &Step, made: Outputs, out: &Wires) -> Result<()> {
-    for port in made.ports(&step.kind) {
-        let bad = |message: String| Err(Error::Output { port: port.name.clone(), message });
-        match out.get(&port.name) {
-            None if port.required => return bad("is missing".into()),
-            None => (),
-            Some(value) if value.wire_type() != port.wire => {
-                return bad(format!("is {}, not {}", value.wire_type().name(), port.wire.name()));
-            }
-            Some(value) if value.grid().is_some_and(|g| g != grid) => {
-                return bad(format!("stands on {:?}, not on {grid:?}", value.grid()));
-            }
-            Some(value) if value.quantity() != step.quantity(&port.name) => {
-                let named = |q: Option<Quantity>| q.map_or("nothing", Quantity::name);
-                let (got, said) = (named(value.quantity()), named(step.quantity(&port.name)));
-                return bad(format!("is {got}, and the kind says {said}"));
-            }
-            Some(Value::Object(object)) => {
-                if let Some(fault) = object.fault() {
-                    return bad(fault);
-                }
-            }
-            Some(value) => {
-                if let Some((col, row)) = value.first_not_finite() {
-                    return Err(Error::NotFinite { port: port.name.clone(), col, row });
-                }
-            }
-        }
-    }
-    Ok(())
 }

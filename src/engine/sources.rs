@@ -1,4 +1,4 @@
-//! The files of one evaluation: each is looked at once, so that its plan and its run speak of the same content.
+//! The files of one evaluation. Each is opened once, so that the plan and the run have the same content.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -9,11 +9,11 @@ use super::files::{Allowed, Refusal, Spot};
 use crate::node::{Error, FileRequest};
 use crate::source::{Place, ReadAt, Shelf, SourceError, SourceFile};
 
-/// Age from which the stamp of a file tells its content apart: clocks of file systems tick once in two seconds at
-/// worst, and what is written within a tick leaves the stamp as it was.
+/// The age of the last change from which the stamp of a file identifies its content. The clocks of file systems tick
+/// every two seconds or more often, and two writes within a tick can leave the same stamp.
 const SETTLED: Duration = Duration::from_secs(2);
 
-/// What tells a changed file from an unchanged one without reading it.
+/// The metadata that changes when the content of a file does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stamp {
     bytes: u64,
@@ -28,7 +28,7 @@ impl Stamp {
         Ok(Self { bytes: meta.len(), modified: meta.modified().ok(), identity: identity(&meta) })
     }
 
-    /// Whether the content was last written so long ago that a later writing would show.
+    /// Whether the last write is so long ago that a further one would change the stamp.
     fn is_settled(&self, now: SystemTime) -> bool {
         self.modified.and_then(|m| now.duration_since(m).ok()).is_some_and(|age| age >= SETTLED)
     }
@@ -59,7 +59,7 @@ impl Hashes {
     }
 }
 
-/// A file of a stamp.
+/// A file with the stamp it had when it was opened.
 #[derive(Debug)]
 struct Stamped {
     spot: Spot,
@@ -121,7 +121,7 @@ impl ReadAt for Opened {
 
 type Looked = Result<Arc<SourceFile>, Refusal>;
 
-/// The files that were looked at for one evaluation, by the name that the graph gives them.
+/// The files of one evaluation, by their names in the graph.
 #[derive(Debug)]
 pub(super) struct Sources {
     allowed: Arc<Allowed>,
@@ -135,10 +135,10 @@ impl Sources {
         Self { allowed, hashes, shelf, looked: Mutex::default() }
     }
 
-    /// What a node asks for, a place for each request: none for an optional one that is not there.
+    /// The files for the requests of a node, in their order; `None` for an optional file that is absent.
     ///
     /// # Errors
-    /// [`Error::File`] with the reason.
+    /// Returns [`Error::File`] with the reason.
     pub(super) fn find(&self, requests: &[FileRequest]) -> Result<Vec<Option<Arc<SourceFile>>>, Error> {
         let one = |request: &FileRequest| match self.look(&request.name) {
             Ok(file) => Ok(Some(file)),

@@ -1,5 +1,5 @@
-//! The form of a file of the cache: a line of magic, the length of a JSON header, the header, the samples, and the
-//! BLAKE3 of all before it.
+//! The form of the files in the cache folder: a magic line, the length of a JSON header, the header, the samples, and
+//! the BLAKE3 hash of everything before it.
 
 use std::borrow::Cow;
 use std::io::{self, Read, Write};
@@ -14,19 +14,19 @@ use crate::node::{Kind, Summary};
 use crate::ports::Wires;
 use crate::value::{Grid, Lattice, Quantity, Value, WireType};
 
-/// Number of the form. It stands in the name of the folder: a change here raises it, and a test holds the two
-/// together.
+/// The number of the form, which is part of the name of the folder. Every change of the form raises it; a test fails
+/// where it was not raised.
 pub(super) const FORM: u32 = 3;
 const MAGIC: &[u8] = b"orograph cache\n";
-/// Longest header; one has some hundred bytes for each output.
+/// The most bytes of a header, which has some hundred for each output.
 const MOST_HEADER: u64 = 1 << 20;
 const SUM: usize = blake3::OUT_LEN;
 
 #[derive(Serialize, Deserialize)]
 struct Header {
-    /// Written as the machine holds it: a file from a machine of the other byte order does not match.
+    /// A number in the byte order of the machine, so that files of the other byte order do not match.
     byte_order: [u8; 4],
-    /// The key of the result: a file that was put in another's place does not match.
+    /// The key of the result, so that a file that was moved to another key does not match.
     key: String,
     summary: Option<u64>,
     values: Vec<Entry>,
@@ -48,7 +48,7 @@ enum Entry {
 }
 
 impl Header {
-    /// Bytes of the samples and objects that follow; none where they do not add up.
+    /// Bytes of the samples and objects that follow the header; `None` where the sum overflows.
     fn claimed(&self) -> Option<u64> {
         let values = self.values.iter().map(Entry::claimed);
         let numbers = self.summary.map_or(Some(0), |n| n.checked_mul(8));
@@ -83,8 +83,8 @@ impl Entry {
         Some((entry, bytemuck::cast_slice(value.components()).into()))
     }
 
-    /// The value of a port of a kind, from what follows the header; none where it is not what the kind gives, has a fault,
-    /// or does not hold a wanted window.
+    /// Reads the value of a port. `None` where the value is not of the type that the kind declares, has a fault, or
+    /// does not contain the wanted window.
     fn value(
         &self,
         kind: &Kind,
@@ -115,7 +115,7 @@ impl Entry {
     }
 }
 
-/// A window, where it is on the lattice of a wanted one and holds it.
+/// A window, where it contains the wanted one.
 fn window_of(
     (x, y, span, intervals): (f64, f64, f64, u32),
     (col, row, cols, rows): (i64, i64, usize, usize),
@@ -123,7 +123,7 @@ fn window_of(
 ) -> Option<Grid> {
     let near = |start: i64, count: usize| start.abs() <= FARTHEST && count as u64 <= FARTHEST as u64;
     let grid = Grid { lattice: Lattice { origin: [x, y], span, intervals }, col, row, cols, rows };
-    // Before the numbers are added up they must be such that can be.
+    // The numbers are checked before they are added, so that the sums do not overflow.
     let sound = col > i64::MIN && row > i64::MIN && near(col, cols) && near(row, rows);
     (sound && cols.checked_mul(rows).is_some() && grid.contains(wanted)).then_some(grid)
 }
@@ -132,7 +132,7 @@ fn damaged() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "is damaged")
 }
 
-/// What follows the header.
+/// The parts of a file after its header.
 type Parts<'a> = Vec<Cow<'a, [u8]>>;
 
 /// The header and the parts that follow it.
@@ -175,10 +175,10 @@ pub(super) fn write(file: &mut impl Write, key: &Key, given: &Given) -> io::Resu
     file.flush()
 }
 
-/// Reads a file of a size; what it claims is held against that size before memory is taken.
+/// Reads a file of `size` bytes. The sizes in its header are checked against `size` before memory is allocated.
 ///
 /// # Errors
-/// [`io::ErrorKind::InvalidData`] for a damaged file; whatever else for one that could not be read.
+/// Returns [`io::ErrorKind::InvalidData`] for a damaged file, and another kind for one that could not be read.
 pub(super) fn read(file: impl Read, size: u64, key: &Key, wanted: &Grid, kind: &Kind) -> io::Result<Given> {
     let mut summed = Summed { file, hasher: blake3::Hasher::new() };
     let mut start = [0; MAGIC.len() + 8];
@@ -203,14 +203,14 @@ pub(super) fn read(file: impl Read, size: u64, key: &Key, wanted: &Grid, kind: &
     if sum != *found.as_bytes() { Err(damaged()) } else { Ok(given) }
 }
 
-/// Reads and sums.
+/// A reader that hashes what it reads.
 struct Summed<R> {
     file: R,
     hasher: blake3::Hasher,
 }
 
 impl<R: Read> Summed<R> {
-    /// A file that ends too soon is a damaged one.
+    /// Fills a buffer; the error of a file that ends too soon is that of a damaged file.
     fn fill(&mut self, bytes: &mut [u8]) -> io::Result<()> {
         self.file.read_exact(bytes).map_err(|e| match e.kind() {
             io::ErrorKind::UnexpectedEof => damaged(),
@@ -220,7 +220,8 @@ impl<R: Read> Summed<R> {
         Ok(())
     }
 
-    /// The content. Results are finite (law 8), so that one which is not is no result, whatever its sum says.
+    /// Reads the content. Results are finite (law 8), so that a file with other numbers is damaged even if its hash
+    /// fits.
     fn given(&mut self, header: &Header, wanted: &Grid, kind: &Kind) -> io::Result<Given> {
         if let Some(count) = header.summary {
             let mut numbers = vec![0f64; count as usize];

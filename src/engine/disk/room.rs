@@ -1,14 +1,14 @@
-//! How many bytes the cache folder holds, and which files go when there are too many.
+//! The bytes in the cache folder, and the removal of files beyond the limit.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-/// Age of a passing file that nobody is writing any more: a writer that lives touches its own at every block.
+/// The age from which a temporary file is abandoned; a running writer modifies its file with every block.
 const ABANDONED: Duration = Duration::from_secs(3600);
-/// Beginning of the names of the folders of all versions of the program.
+/// The prefix of the names of the folders of all program versions.
 const VERSIONS: &str = "orograph-";
-/// Share of the limit that this process adds before it counts again what others added.
+/// The folder is counted again, for files of other processes, after this process has added `1 / UNSEEN` of the limit.
 const UNSEEN: u64 = 8;
 
 /// The bytes of a folder that several processes fill.
@@ -16,9 +16,9 @@ const UNSEEN: u64 = 8;
 pub(super) struct Room {
     top: PathBuf,
     limit: u64,
-    /// Bytes that were there when they were counted last, and what this process wrote since.
+    /// Bytes at the last count, and those that this process has written since.
     held: u64,
-    /// Of them, what this process wrote since.
+    /// Bytes that this process has written since the last count.
     added: u64,
 }
 
@@ -42,7 +42,7 @@ impl Room {
         self.limit
     }
 
-    /// Makes room for a file, and counts it; whether there is room at all.
+    /// Makes room for a file and counts it; returns whether there is room.
     pub(super) fn make(&mut self, bytes: u64) -> bool {
         if bytes > self.limit {
             return false;
@@ -55,8 +55,8 @@ impl Room {
         true
     }
 
-    /// Counts anew. Where the folder and some bytes more are over the limit, removes the files that were not used for
-    /// longest, somewhat more than there must be, so that not every file asks for it.
+    /// Counts the folder again. Where it and `more` bytes exceed the limit, removes the least recently used files, and
+    /// somewhat more of them than necessary, so that trimming is rare.
     fn trim(&mut self, more: u64) {
         let mut files = self.files();
         files.sort();
@@ -70,19 +70,19 @@ impl Room {
             if self.held <= target {
                 break;
             }
-            // Another process may have removed it already; one that cannot be removed still takes its room.
+            // Another process may have removed the file already. A file that cannot be removed still counts.
             match fs::remove_file(&file.path) {
                 Err(e) if e.kind() != std::io::ErrorKind::NotFound => continue,
                 _ => self.held -= file.bytes,
             }
             if let Some(folder) = file.path.parent() {
-                // The last one leaves an empty folder; one that is not empty stays.
+                // This removes the folder where the file was its last one, and fails otherwise.
                 let _ = fs::remove_dir(folder);
             }
         }
     }
 
-    /// The files of all versions; what was left half written long ago goes at once.
+    /// The files of all program versions. Abandoned temporary files are removed at once.
     fn files(&self) -> Vec<Old> {
         let below = |path: PathBuf| fs::read_dir(path).into_iter().flatten().flatten();
         let is_version = |e: &fs::DirEntry| e.file_name().to_string_lossy().starts_with(VERSIONS);
