@@ -1,4 +1,4 @@
-//! Parameters by path: where a text such as `hills.mode.turned.angle` or `terrain.width` leads, and what stands there.
+//! Binds: parameters by path, such as `hills.mode.turned.angle` or `terrain.width`, and their values.
 
 use serde_json::Value as Json;
 
@@ -7,21 +7,21 @@ use super::problem::{Hints, Place, Problem, listed};
 use super::{Graph, GraphNode, KindRef, NodeId, json, terrain_params};
 use crate::params::Param;
 
-/// What has parameters.
+/// The owner of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Owner {
     Terrain,
     Node(NodeId),
 }
 
-/// A parameter of something, or a place inside one.
+/// A parameter of an owner, or a value inside a parameter.
 #[derive(Clone, Debug)]
 pub(super) struct Bind {
     pub(super) owner: Owner,
     pub(super) path: Vec<String>,
 }
 
-/// Most steps in the path of a parameter; those of the kinds have up to four.
+/// The most steps in the path of a parameter; those of the shipped kinds have up to four.
 pub(super) const MAX_STEPS: usize = 16;
 
 pub(super) fn split(path: &str) -> Vec<String> {
@@ -58,7 +58,7 @@ impl Graph {
             let default = spot.param.default.clone();
             return self.set_bind(bind, default);
         };
-        // One that the kind does not know can be taken away too.
+        // A parameter that the kind does not know can be removed, too.
         let written = self.written_at(bind).is_some();
         if !written {
             self.spot(bind, &Hints::new()).map_err(bad)?;
@@ -92,7 +92,7 @@ impl Graph {
         Ok(bind)
     }
 
-    /// For a name that is no path: perhaps a slip in an exposed name, perhaps a parameter without its node.
+    /// The problem of a name that is no path: a misspelt exposed name, or a parameter without its node.
     fn not_assignable(&self, name: &str, hints: &Hints) -> Problem {
         let exposed = || self.exposed().map(|(n, _)| n);
         let mut hint = hints.nearest(name, exposed());
@@ -109,7 +109,7 @@ impl Graph {
         )
     }
 
-    /// What stands at a bind.
+    /// The parameter, shape and value at a bind.
     pub(super) fn spot(&self, bind: &Bind, hints: &Hints) -> Result<Spot<'_>, String> {
         let params: &[Param] = match bind.owner {
             Owner::Terrain => terrain_params(),
@@ -147,7 +147,7 @@ impl Graph {
         }
     }
 
-    /// The value that is written at a bind; `None` where the default counts.
+    /// The value that is written at a bind; `None` where the default applies.
     pub(super) fn written_at(&self, bind: &Bind) -> Option<&Json> {
         let set = match bind.owner {
             Owner::Terrain => &self.settings,
@@ -158,8 +158,8 @@ impl Graph {
         path::get(set.get(first)?, &rest)
     }
 
-    /// Writes a value at a bind that leads somewhere. One that stands there already is left alone, so that what was parsed
-    /// of the node's parameters stays.
+    /// Writes a value at a bind that resolves. Where the value is there already nothing changes, so that the parsed
+    /// parameters of the node stay valid.
     pub(super) fn put_at(&mut self, bind: &Bind, value: Json) {
         if self.written_at(bind) == Some(&value) {
             return;
@@ -177,7 +177,7 @@ impl Graph {
         path::put(set.entry(first.as_str()).or_insert_with(default), &rest, value);
     }
 
-    /// The name under which a parameter, something around it or something inside it is exposed.
+    /// The name under which a parameter, one that contains it or one inside it is exposed.
     fn exposed_as(&self, bind: &Bind) -> Option<&str> {
         let owner = match bind.owner {
             Owner::Terrain => "terrain",

@@ -1,4 +1,4 @@
-//! What a graph shows on the canvas beside its nodes: notes, and the bends of wires. Nothing here is in any key.
+//! Notes and bends of wires, which a graph has on the canvas beside its nodes. They are no part of any key.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,9 +9,9 @@ use super::problem::{Place, Problem};
 use super::validate::name_fault;
 use super::{Graph, MAX_NAMED, NodeId};
 
-/// Farthest place on the canvas along an axis.
+/// The largest coordinate on the canvas.
 const FARTHEST: f64 = 1e9;
-/// Most bends of one wire.
+/// The most bends of a wire.
 const MAX_BENDS: usize = 100;
 
 /// A coloured box with a title and a text, behind the nodes: a frame around some of them, or a comment.
@@ -106,10 +106,10 @@ pub struct Bends {
 }
 
 impl Graph {
-    /// Puts a note on the canvas and gives its name.
+    /// Adds a note and returns its name.
     ///
     /// # Errors
-    /// When it stands too far out, or there are too many.
+    /// Fails when a coordinate is too large, or there are too many notes.
     pub fn add_note(&mut self, note: Note) -> Result<String, Problem> {
         let free = (1..).map(|n| format!("note_{n}")).find(|name| self.note(name).is_none());
         let name = free.unwrap_or_default();
@@ -126,7 +126,7 @@ impl Graph {
     /// Changes a note.
     ///
     /// # Errors
-    /// When there is none of the name, or it would stand too far out.
+    /// Fails when there is no note of the name, or a coordinate is too large.
     pub fn change_note(&mut self, name: &str, note: Note) -> Result<(), Problem> {
         let i = self.note_index(name)?;
         let note = checked(name, note)?;
@@ -137,10 +137,10 @@ impl Graph {
         Ok(())
     }
 
-    /// Takes a note away.
+    /// Removes a note.
     ///
     /// # Errors
-    /// When there is none of the name.
+    /// Fails when there is no note of the name.
     pub fn remove_note(&mut self, name: &str) -> Result<Note, Problem> {
         let i = self.note_index(name)?;
         self.touch();
@@ -152,16 +152,16 @@ impl Graph {
         self.notes.iter().position(|(n, _)| n == name).ok_or_else(missing)
     }
 
-    /// Where the wire into an input of a node bends.
+    /// The bends of the wire into an input of a node.
     pub fn bends(&self, id: NodeId, input: &str) -> &[[f64; 2]] {
         let own = self.get(id).and_then(|n| n.bends.iter().find(|b| b.input == input));
         own.map_or(&[], |b| &b.at)
     }
 
-    /// Lets the wire into an input of a node bend.
+    /// Sets the bends of the wire into an input of a node.
     ///
     /// # Errors
-    /// When no wire goes there, a bend lies too far out, or there are too many.
+    /// Fails when the input has no wire, a coordinate is too large, or there are too many bends.
     pub fn set_bends(&mut self, id: NodeId, input: &str, at: Vec<[f64; 2]>) -> Result<(), Problem> {
         self.live(id)?;
         let bad = |message: String| {
@@ -189,10 +189,10 @@ impl Graph {
         Ok(())
     }
 
-    /// Leaves a node out, so that what it would change passes through as it is; or takes it in again.
+    /// Sets or ends the bypass of a node, by which its input passes through unchanged.
     ///
     /// # Errors
-    /// When no input of its kind could pass through.
+    /// Fails when the kind has no input that can pass through.
     pub fn set_bypass(&mut self, id: NodeId, bypass: bool) -> Result<(), Problem> {
         self.live(id)?;
         let node = self.node(id);

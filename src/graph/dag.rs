@@ -1,4 +1,4 @@
-//! Nodes and wires: petgraph's graph, under ids that are counted and never used again.
+//! Nodes and wires in a graph of petgraph, under ids that are counted and never reused.
 
 use std::collections::HashMap;
 use std::ops::{Index, IndexMut};
@@ -13,8 +13,8 @@ use super::parts::GraphNode;
 use super::wires::{Source, Wire};
 use crate::name::Name;
 
-/// A node of a graph. Copies of a graph, as a history keeps them, have the same ids; beyond that no two nodes of a
-/// process share one, so that an id that is kept anywhere finds its own node or none.
+/// The id of a node. Copies of a graph, such as those in a history, have the same ids. Apart from that, no two nodes of
+/// a process share an id, so that a stored id finds its own node or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeId(u64);
 
@@ -30,7 +30,7 @@ impl NodeId {
 pub(super) struct Dag {
     /// Nodes are shared with copies of the graph until they are changed.
     graph: StableDiGraph<(NodeId, Arc<GraphNode>), Wire>,
-    /// Where petgraph keeps a node: its indices come back after a removal.
+    /// The index of each node in petgraph, which reuses indices after a removal.
     places: HashMap<NodeId, NodeIndex>,
 }
 
@@ -41,7 +41,7 @@ impl Dag {
         id
     }
 
-    /// Takes a node out, with its wires.
+    /// Removes a node with its wires.
     pub(super) fn remove(&mut self, id: NodeId) -> Option<GraphNode> {
         let place = self.places.remove(&id)?;
         self.graph.remove_node(place).map(|(_, node)| Arc::unwrap_or_clone(node))
@@ -74,14 +74,14 @@ impl Dag {
         Some(Source { node: self.graph[from].0, port: self.graph[edge].from.clone() })
     }
 
-    /// Puts a wire in beside those that are there; nothing happens where a node is missing.
+    /// Adds a wire beside the existing ones; does nothing where a node is missing.
     pub(super) fn connect(&mut self, source: Source, id: NodeId, port: Name) {
         if let Some((from, to)) = self.place(source.node).zip(self.place(id)) {
             self.graph.add_edge(from, to, Wire { from: source.port, to: port });
         }
     }
 
-    /// Takes the wire into an input away; whether there was one.
+    /// Removes the wire into an input; returns whether there was one.
     pub(super) fn cut(&mut self, id: NodeId, port: &str) -> bool {
         self.edge_into(id, port).is_some_and(|edge| self.graph.remove_edge(edge).is_some())
     }
@@ -92,10 +92,10 @@ impl Dag {
     }
 }
 
-/// The node of an id that is known to be there.
+/// The node of an id that exists.
 ///
 /// # Panics
-/// When there is no such node.
+/// Panics when there is no such node.
 impl Index<NodeId> for Dag {
     type Output = GraphNode;
 

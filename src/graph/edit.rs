@@ -1,4 +1,5 @@
-//! Edits of nodes, wires and outputs. Each checks first and changes then: a refused edit leaves the graph as it was.
+//! Edits of nodes, wires and outputs. Each edit is checked before it changes anything, so that a refused edit leaves
+//! the graph as it was.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -15,10 +16,10 @@ use crate::node::Kind;
 use crate::ports::Port;
 
 impl Graph {
-    /// Adds a node of a kind; a kind with a seed gets a fresh one.
+    /// Adds a node of a kind. Where the kind has a seed, the node has a new one.
     ///
     /// # Errors
-    /// When the name is taken or not a name, the kind is not known, or the graph is full.
+    /// Fails when the name is taken or invalid, the kind is unknown, or the graph is full.
     pub fn add(&mut self, name: &str, kind: &str) -> Result<NodeId, Problem> {
         let place = || Place::Node(name.to_owned());
         let bad = |message: String| Err(Problem::error(place(), message));
@@ -55,7 +56,7 @@ impl Graph {
         Ok(id)
     }
 
-    /// A name that no node has: the wanted one, or that with the next free number.
+    /// A name that no node has: the wanted one, or the wanted one with the next free number.
     pub fn free_name(&self, wanted: &str) -> String {
         let free = |name: &String| node_name_fault(name).is_none() && self.find(name).is_none();
         let stem = wanted.get(..wanted.len().min(56)).unwrap_or("node");
@@ -66,11 +67,11 @@ impl Graph {
             .unwrap_or_else(|| self.free_name("node"))
     }
 
-    /// Removes a node with its wires. Outputs that read it stay and are reported; it leaves the binds of exposed
-    /// parameters, and one that bound nothing else goes too.
+    /// Removes a node with its wires. Outputs that read it stay and are reported as problems. It is removed from the
+    /// binds of exposed parameters, and an exposed parameter that has no other bind is removed, too.
     ///
     /// # Errors
-    /// When there is no such node.
+    /// Fails when there is no such node.
     pub fn remove(&mut self, id: NodeId) -> Result<GraphNode, Problem> {
         self.live(id)?;
         self.sequence.retain(|n| *n != id);
@@ -86,10 +87,11 @@ impl Graph {
         Ok(node)
     }
 
-    /// Removes a node and joins what it changed to what read it, where its kind says which input becomes which output.
+    /// Removes a node and wires its input to the readers of its output, where the kind says which output is a change of
+    /// which input.
     ///
     /// # Errors
-    /// When there is no such node.
+    /// Fails when there is no such node.
     pub fn remove_bridged(&mut self, id: NodeId) -> Result<GraphNode, Problem> {
         self.live(id)?;
         let name = self.node(id).name.clone();
@@ -107,7 +109,7 @@ impl Graph {
         self.remove(id)
     }
 
-    /// For each output of a node that is a changed input, what that input reads.
+    /// For each output of a node that is a change of an input, the source of this input.
     fn bridges(&self, id: NodeId) -> Vec<(Name, Source)> {
         let outputs = self.node(id).kind().map_or(&[][..], |kind| &kind.outputs);
         let bridge = |port: &Port| {
@@ -118,10 +120,10 @@ impl Graph {
         outputs.iter().filter_map(bridge).collect()
     }
 
-    /// Renames a node, and all that names it: wires, outputs, exposed parameters.
+    /// Renames a node, also in wires, outputs and exposed parameters that name it.
     ///
     /// # Errors
-    /// When the name is taken or not a name.
+    /// Fails when the name is taken or invalid.
     pub fn rename(&mut self, id: NodeId, name: &str) -> Result<(), Problem> {
         self.live(id)?;
         if self.node(id).name == name {
@@ -158,10 +160,11 @@ impl Graph {
         Ok(())
     }
 
-    /// Puts a wire from an output of a node into an input of another, in place of the one that was there.
+    /// Connects an output of a node to an input of another, in place of the wire that the input had.
     ///
     /// # Errors
-    /// When a port is not there, the types differ, or a cycle would close; its nodes are named.
+    /// Fails when a port does not exist, the types differ, or the wire would close a cycle, whose nodes the error
+    /// names.
     pub fn connect(&mut self, from: NodeId, output: &str, to: NodeId, input: &str) -> Result<(), Problem> {
         let (source, input) = self.fitting(from, output, to, input)?;
         if self.source(to, &input).as_ref() == Some(&source) {
@@ -175,10 +178,10 @@ impl Graph {
         Ok(())
     }
 
-    /// Whether a wire could be put in; nothing is changed.
+    /// Checks that a wire is possible, without a change.
     ///
     /// # Errors
-    /// Those of [`connect`](Self::connect).
+    /// Returns the errors of [`connect`](Self::connect).
     pub fn can_connect(&self, from: NodeId, output: &str, to: NodeId, input: &str) -> Result<(), Problem> {
         self.fitting(from, output, to, input).map(drop)
     }
@@ -190,8 +193,8 @@ impl Graph {
         to: NodeId,
         input: &str,
     ) -> Result<(Source, Name), Problem> {
-        let out_port = self.port(from, output, Side::Output)?;
-        let in_port = self.port(to, input, Side::Input)?;
+        let out_port = self.port(from, output, PortSide::Output)?;
+        let in_port = self.port(to, input, PortSide::Input)?;
         let source = Source { node: from, port: out_port.name.clone() };
         let (name, text) = (&self.node(to).name, self.source_text(&source));
         let bad = |message| {
@@ -214,10 +217,10 @@ impl Graph {
         Ok((source, in_port.name.clone()))
     }
 
-    /// Takes the wire into an input away, also one that does not resolve. Nothing happens where there is none.
+    /// Removes the wire into an input, including one that does not resolve. Does nothing where there is none.
     ///
     /// # Errors
-    /// When the kind has no such input, and the file wrote none.
+    /// Fails when neither the kind nor the file has such an input.
     pub fn disconnect(&mut self, to: NodeId, input: &str) -> Result<(), Problem> {
         self.live(to)?;
         let was_loose = self.dag[to].loose.shift_remove(input).is_some();
@@ -225,13 +228,13 @@ impl Graph {
             self.settle();
             return Ok(());
         }
-        self.port(to, input, Side::Input).map(drop)
+        self.port(to, input, PortSide::Input).map(drop)
     }
 
     /// Moves a node on the canvas.
     ///
     /// # Errors
-    /// When a coordinate is not a number within ±1e9.
+    /// Fails when a coordinate is not a number within ±1e9.
     pub fn move_to(&mut self, id: NodeId, at: [f64; 2]) -> Result<(), Problem> {
         self.live(id)?;
         if at.iter().any(|v| !v.is_finite() || v.abs() > 1e9) {
@@ -248,10 +251,10 @@ impl Graph {
         Ok(())
     }
 
-    /// Says where a node should run.
+    /// Sets the backend on which a node runs.
     ///
     /// # Errors
-    /// When there is no such node.
+    /// Fails when there is no such node.
     pub fn set_backend(&mut self, id: NodeId, backend: Backend) -> Result<(), Problem> {
         self.live(id)?;
         let node = &mut self.dag[id];
@@ -262,7 +265,7 @@ impl Graph {
         Ok(())
     }
 
-    /// Changes what the graph says about itself.
+    /// Sets title, author and other texts of the graph.
     pub fn set_about(&mut self, about: About) {
         let known = |key: &str| About::keys().iter().any(|p| p.name == key);
         let had_fault = self.extra.keys().any(|key| known(key));
@@ -276,7 +279,7 @@ impl Graph {
     /// Adds an output.
     ///
     /// # Errors
-    /// When the name is taken or not a name, what it reads is not there, or a setting does not fit.
+    /// Fails when the name is taken or invalid, its source does not exist, or a setting has a fault.
     pub fn add_output(&mut self, name: &str, output: Output) -> Result<(), Problem> {
         self.free_output_name(name, None)?;
         if self.outputs.len() >= MAX_NAMED {
@@ -291,7 +294,7 @@ impl Graph {
     /// Changes an output.
     ///
     /// # Errors
-    /// When there is none of the name, what it reads is not there, or a setting does not fit.
+    /// Fails when there is no output of the name, its source does not exist, or a setting has a fault.
     pub fn change_output(&mut self, name: &str, output: Output) -> Result<(), Problem> {
         let i = self.output_index(name)?;
         let output = self.checked_output(name, output)?;
@@ -305,7 +308,7 @@ impl Graph {
     /// Renames an output.
     ///
     /// # Errors
-    /// When there is none of the name, or the new one is taken or not a name.
+    /// Fails when there is no output of the name, or the new name is taken or invalid.
     pub fn rename_output(&mut self, name: &str, new: &str) -> Result<(), Problem> {
         let i = self.output_index(name)?;
         if name != new {
@@ -319,7 +322,7 @@ impl Graph {
     /// Removes an output.
     ///
     /// # Errors
-    /// When there is none of the name.
+    /// Fails when there is no output of the name.
     pub fn remove_output(&mut self, name: &str) -> Result<Output, Problem> {
         let i = self.output_index(name)?;
         self.touch();
@@ -367,13 +370,13 @@ impl Graph {
         }
     }
 
-    fn port(&self, id: NodeId, port: &str, side: Side) -> Result<&Port, Problem> {
+    fn port(&self, id: NodeId, port: &str, side: PortSide) -> Result<&Port, Problem> {
         self.live(id)?;
         let node = self.node(id);
         let (name, port_name) = (node.name.clone(), port.to_owned());
         let (place, what) = match side {
-            Side::Input => (Place::Input { node: name, port: port_name }, "input"),
-            Side::Output => (Place::NodeOutput { node: name, port: port_name }, "output"),
+            PortSide::Input => (Place::Input { node: name, port: port_name }, "input"),
+            PortSide::Output => (Place::NodeOutput { node: name, port: port_name }, "output"),
         };
         let Some(kind) = node.kind() else {
             let message = format!("cannot be connected, since the kind `{}` is not known", node.kind.id());
@@ -388,24 +391,24 @@ impl Graph {
         Err(Problem::error(place, format!("`{}` has no such {what}; it has {all}{hint}", kind.id)))
     }
 
-    /// A seed that no node has: the same in every run of the program, and another for another name.
+    /// A seed that no node has. It depends on the name of the node and is the same in every run of the program.
     fn fresh_seed(&self, name: &str) -> u32 {
         let seed = |id: NodeId| self.node(id).set.get("seed").and_then(Json::as_u64);
         let taken: HashSet<u64> = self.nodes().filter_map(seed).collect();
         let start = name.bytes().fold(0, |h, b| hash::mix(h ^ u64::from(b)));
-        // Six digits: short in the file, and far more than there are nodes.
+        // Six digits are short in the file, and give far more seeds than a graph has nodes.
         let drawn = (0..).map(|i| 1 + hash::nth(start, i) % 999_999).find(|s| !taken.contains(s));
         drawn.unwrap_or(1) as u32
     }
 }
 
 #[derive(Clone, Copy)]
-enum Side {
+enum PortSide {
     Input,
     Output,
 }
 
-impl Side {
+impl PortSide {
     fn ports(self, kind: &Kind) -> &[Port] {
         match self {
             Self::Input => &kind.inputs,

@@ -12,23 +12,23 @@ use super::validate::name_fault;
 use super::{Graph, MAX_NAMED, NodeId, json, settings};
 use crate::params::{Param, Shape};
 
-/// An exposed parameter whose binds all lead somewhere.
+/// An exposed parameter whose binds all resolve.
 pub(super) struct Bound {
     pub(super) binds: Vec<Bind>,
-    /// What it is to the outside; its default is the value that the first bind has now.
+    /// The exposed parameter as a parameter; its default is the current value of the first bind.
     pub(super) param: Param,
 }
 
-/// What a null stands for where an exposed parameter gets a value.
+/// The meaning of null as the value of an exposed parameter.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Null {
-    /// The value that the first bind has.
+    /// The value of the first bind is taken over.
     IsTaken,
-    /// Itself.
+    /// The value is null.
     IsMeant,
 }
 
-/// Which exposed parameter a bound path, or a part of one, belongs to: the first that the file names.
+/// The exposed parameter to which each bound path, and each part of one, belongs: the first in the file.
 #[derive(Default)]
 pub(super) struct Owners {
     whole: HashMap<String, usize>,
@@ -36,14 +36,14 @@ pub(super) struct Owners {
 }
 
 impl Owners {
-    /// The exposed parameter before the `i`-th that binds the same, something around it or something inside it.
+    /// An exposed parameter before the `i`-th that binds the same parameter, one that contains it or one inside it.
     fn before(&self, i: usize, bind: &str) -> Option<usize> {
         let around = prefixes(bind).filter_map(|p| self.whole.get(p));
         around.chain(self.part.get(bind)).copied().filter(|&owner| owner < i).min()
     }
 }
 
-/// `a.b`, `a.b.c` … of `a.b.c…`.
+/// The prefixes of a path from its second step on: `a.b`, `a.b.c` and so on.
 fn prefixes(bind: &str) -> impl Iterator<Item = &str> {
     let ends = bind.match_indices('.').map(|(i, _)| i).skip(1).chain([bind.len()]);
     ends.map(|end| &bind[..end]).take(MAX_STEPS)
@@ -54,7 +54,7 @@ impl Graph {
     /// `ruggedness`, `hills.octaves`, `hills.mode.turned.angle`, `terrain.width`.
     ///
     /// # Errors
-    /// When there is no such parameter, the text does not fit, or it is exposed under another name.
+    /// Fails when there is no such parameter, the text does not fit, or the parameter is exposed under another name.
     pub fn assign(&mut self, name: &str, text: &str) -> Result<(), Problem> {
         let (place, shape) = self.shape_of(name)?;
         let value = shape.parse_text(text).map_err(|message| Problem::error(place, message))?;
@@ -64,7 +64,7 @@ impl Graph {
     /// Sets an exposed parameter, a parameter of a node or a setting of the terrain, as `--vars` does.
     ///
     /// # Errors
-    /// Those of [`assign`](Self::assign).
+    /// Returns the errors of [`assign`](Self::assign).
     pub fn assign_json(&mut self, name: &str, value: &Json) -> Result<(), Problem> {
         if self.exposed_index(name).is_some() {
             return self.set_exposed(name, value.clone());
@@ -73,10 +73,10 @@ impl Graph {
         self.set_bind(&bind, value.clone())
     }
 
-    /// Sets a parameter of a node; a dotted path leads into modes.
+    /// Sets a parameter of a node; a dotted path names a value inside a mode.
     ///
     /// # Errors
-    /// When there is no such parameter, the value does not fit, or it is exposed.
+    /// Fails when there is no such parameter, the value does not fit, or the parameter is exposed.
     pub fn set(&mut self, id: NodeId, parameter: &str, value: Json) -> Result<(), Problem> {
         self.live(id)?;
         self.set_bind(&Bind { owner: Owner::Node(id), path: split(parameter) }, value)
@@ -85,34 +85,34 @@ impl Graph {
     /// Sets a setting of the terrain.
     ///
     /// # Errors
-    /// When there is no such setting, the value does not fit, or it is exposed. Settings that do not fit together
-    /// are reported by [`problems`](Self::problems), so that they can be changed one by one.
+    /// Fails when there is no such setting, the value does not fit, or the setting is exposed. Settings that contradict
+    /// each other are reported by [`problems`](Self::problems) and not refused, so that they can be changed one by one.
     pub fn set_terrain(&mut self, setting: &str, value: Json) -> Result<(), Problem> {
         self.set_bind(&Bind { owner: Owner::Terrain, path: split(setting) }, value)
     }
 
-    /// Gives a parameter of a node its default again.
+    /// Resets a parameter of a node to its default.
     ///
     /// # Errors
-    /// When there is no such parameter, or it is exposed.
+    /// Fails when there is no such parameter, or it is exposed.
     pub fn reset(&mut self, id: NodeId, parameter: &str) -> Result<(), Problem> {
         self.live(id)?;
         self.reset_bind(&Bind { owner: Owner::Node(id), path: split(parameter) })
     }
 
-    /// Gives a setting of the terrain its default again.
+    /// Resets a setting of the terrain to its default.
     ///
     /// # Errors
-    /// When there is no such setting, or it is exposed.
+    /// Fails when there is no such setting, or it is exposed.
     pub fn reset_terrain(&mut self, setting: &str) -> Result<(), Problem> {
         self.reset_bind(&Bind { owner: Owner::Terrain, path: split(setting) })
     }
 
-    /// Exposes parameters under a name. A null value takes over what the first of them has.
+    /// Exposes parameters under a name. A null value stands for the value of the first of them.
     ///
     /// # Errors
-    /// When the name is taken or not a name, a bind leads nowhere or is exposed already, the binds differ in kind,
-    /// or the value does not fit.
+    /// Fails when the name is taken or invalid, a bind does not resolve or is exposed already, the binds differ in
+    /// type, or the value does not fit.
     pub fn expose(&mut self, name: &str, exposed: Exposed) -> Result<(), Problem> {
         let bad = |message: String| Err(Problem::error(Place::Exposed(name.to_owned()), message));
         if let Some(fault) = name_fault(name) {
@@ -127,19 +127,19 @@ impl Graph {
         self.put_exposed(self.exposed.len(), name, exposed, Null::IsTaken)
     }
 
-    /// Changes an exposed parameter: what it binds, its limits, its texts.
+    /// Changes the binds, the limits and the texts of an exposed parameter.
     ///
     /// # Errors
-    /// When there is none of the name, and those of [`expose`](Self::expose).
+    /// Fails when there is no exposed parameter of the name, and for the reasons of [`expose`](Self::expose).
     pub fn change_exposed(&mut self, name: &str, exposed: Exposed) -> Result<(), Problem> {
         let i = self.exposed_index(name).ok_or_else(|| self.not_exposed(name))?;
         self.put_exposed(i, name, exposed, Null::IsTaken)
     }
 
-    /// Takes a name away; the parameters keep their values.
+    /// Removes an exposed parameter; the parameters that it bound keep their values.
     ///
     /// # Errors
-    /// When there is none of the name.
+    /// Fails when there is no exposed parameter of the name.
     pub fn unexpose(&mut self, name: &str) -> Result<Exposed, Problem> {
         let i = self.exposed_index(name).ok_or_else(|| self.not_exposed(name))?;
         let (_, exposed) = self.exposed.remove(i);
@@ -147,10 +147,10 @@ impl Graph {
         Ok(exposed)
     }
 
-    /// Sets an exposed parameter and all that it binds.
+    /// Sets an exposed parameter and all parameters that it binds.
     ///
     /// # Errors
-    /// When there is none of the name, it is broken, or the value does not fit.
+    /// Fails when there is no exposed parameter of the name, it has a fault, or the value does not fit.
     pub fn set_exposed(&mut self, name: &str, mut value: Json) -> Result<(), Problem> {
         json::tidy(&mut value);
         let i = self.exposed_index(name).ok_or_else(|| self.not_exposed(name))?;
@@ -162,11 +162,11 @@ impl Graph {
         self.put_exposed(i, name, exposed, Null::IsMeant)
     }
 
-    /// What an exposed parameter is to the outside: type and unit of what it binds, its own range, its value as the
+    /// An exposed parameter as a parameter: it has the type and unit of its binds, its own range, and its value as the
     /// default.
     ///
     /// # Errors
-    /// When there is none of the name, or it is broken.
+    /// Fails when there is no exposed parameter of the name, or it has a fault.
     pub fn exposed_param(&self, name: &str) -> Result<Param, Problem> {
         let i = self.exposed_index(name).ok_or_else(|| self.not_exposed(name))?;
         let exposed = &self.exposed[i].1;
@@ -177,7 +177,7 @@ impl Graph {
     fn put_exposed(&mut self, i: usize, name: &str, mut exposed: Exposed, null: Null) -> Result<(), Problem> {
         Exposed::forget_known(&mut exposed.extra);
         let mut owners = self.owners();
-        // Its own old binds do not stand in its way, and those of later ones do.
+        // Its own old binds do not count as taken, while those of later exposed parameters do.
         owners.whole.retain(|_, owner| *owner != i);
         owners.part.retain(|_, owner| *owner != i);
         let bound = self.bound(usize::MAX, name, &exposed, &owners, &Hints::new()).map_err(first)?;
@@ -200,7 +200,7 @@ impl Graph {
         Ok(())
     }
 
-    /// Where a parameter of a name stands, and what values fit.
+    /// The place and the shape of the parameter of a name.
     fn shape_of(&self, name: &str) -> Result<(Place, Shape), Problem> {
         if self.exposed_index(name).is_some() {
             return Ok((Place::Exposed(name.to_owned()), self.exposed_param(name)?.shape));
@@ -236,7 +236,7 @@ impl Graph {
         owners
     }
 
-    /// What an exposed parameter binds, and what it is to the outside.
+    /// The binds of an exposed parameter, and the exposed parameter as a parameter.
     pub(super) fn bound(
         &self,
         i: usize,
@@ -307,8 +307,8 @@ impl Graph {
         Ok((bind, spot))
     }
 
-    /// The problems of an exposed parameter, with one at least for each node and each setting of the terrain that it
-    /// sets: with the value in doubt, none of them may be used.
+    /// The problems of an exposed parameter, with at least one for each node and each setting of the terrain that it
+    /// sets, because none of them can be used while the value has a fault.
     pub(super) fn blame_all(&self, mut faults: Vec<Problem>, name: &str, binds: &[Bind]) -> Vec<Problem> {
         let Some(fault) = faults.first().cloned() else { return faults };
         let mut nodes = BTreeSet::new();
@@ -345,7 +345,7 @@ impl Graph {
         let hints = Hints::none();
         let faults =
             settings::faults(&self.settings, &hints).into_iter().chain(self.exposed_problems(&hints));
-        self.stopped = faults.filter(Problem::is_error).collect();
+        self.blocking_problems = faults.filter(Problem::is_error).collect();
     }
 
     pub(super) fn live(&self, id: NodeId) -> Result<(), Problem> {

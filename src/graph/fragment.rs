@@ -1,11 +1,11 @@
-//! Parts of graphs as graphs: what copy, paste and duplicate hand about.
+//! Fragments: parts of graphs as graphs, for copying, pasting and duplicating.
 
 use std::collections::{BTreeMap, HashSet};
 
 use super::problem::{Place, Problem};
 use super::{Graph, KindRef, MAX_NAMED, MAX_NODES, NodeId, Note};
 
-/// What [`Graph::graft`] put in.
+/// The nodes and notes that [`Graph::graft`] added.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Grafted {
     /// The new nodes, in the order of the fragment.
@@ -15,8 +15,8 @@ pub struct Grafted {
 }
 
 impl Graph {
-    /// A graph of some of the nodes and notes: with the wires between them, the values of their parameters and the
-    /// terrain, without the outputs, the exposed names and the wires from elsewhere.
+    /// A graph of some of the nodes and notes, with the wires between them, the values of their parameters and the
+    /// terrain, but without outputs, exposed names and wires from other nodes.
     pub fn fragment(&self, ids: &[NodeId], notes: &[String]) -> Self {
         let chosen: HashSet<NodeId> = ids.iter().copied().collect();
         let mut part = Self::with_registry(self.registry().clone());
@@ -37,11 +37,11 @@ impl Graph {
         part
     }
 
-    /// Puts the nodes, wires and notes of another graph in, moved on the canvas; names that are taken get the next
-    /// free number.
+    /// Adds the nodes, wires and notes of another graph, moved on the canvas by an offset. Names that are taken have
+    /// the next free number added.
     ///
     /// # Errors
-    /// When there would be too many nodes or notes; nothing is put in then.
+    /// Fails when there would be too many nodes or notes; then nothing is added.
     pub fn graft(&mut self, part: &Self, offset: [f64; 2]) -> Result<Grafted, Problem> {
         let too_many = |what: &str, limit: usize| {
             Err(Problem::error(Place::Graph, format!("would have more than {limit} {what}")))
@@ -75,7 +75,7 @@ impl Graph {
         for (_, note) in &part.notes {
             grafted.notes.push(self.add_note(Note { at: moved(note.at), ..note.clone() })?);
         }
-        // As a file with these nodes would be read.
+        // Inputs are connected as when a file with these nodes is read.
         self.link();
         self.settle();
         Ok(grafted)

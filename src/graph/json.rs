@@ -1,4 +1,4 @@
-//! Strict JSON: a key written twice, endless nesting and endless numbers of values are errors that name the place.
+//! Strict JSON: duplicate keys, deep nesting and too many values are errors with their place.
 
 use std::cell::Cell;
 use std::fmt;
@@ -9,17 +9,17 @@ use serde_json::{Map, Number, Value as Json};
 use super::LoadError;
 use crate::text::whole;
 
-/// Most bytes of a key.
+/// The most bytes of a key.
 const MAX_KEY: usize = 256;
-/// Most bytes of a text.
+/// The most bytes of a string.
 const MAX_TEXT: usize = 1 << 16;
-/// Most values of all kinds; each takes up to 72 bytes in memory and as little as two in the file.
+/// The most values in a file; each takes up to 72 bytes in memory, and as few as two in the file.
 const MAX_VALUES: usize = 1_000_000;
 
-/// Reads a text. Whole numbers become integers however they are written: JSON knows one kind of number.
+/// Reads a text. Whole numbers become integers in whatever form they are written, since JSON has one type of number.
 ///
 /// # Errors
-/// What is wrong with the text, and where.
+/// Fails when the text is no JSON or exceeds a limit; the error has the line and the column.
 pub fn read(text: &str) -> Result<Json, LoadError> {
     // A byte order mark, as some editors on Windows leave it.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -32,7 +32,7 @@ pub fn read(text: &str) -> Result<Json, LoadError> {
     json.and_then(|json| reader.end().map(|()| json)).map_err(|e| explain(&e, text))
 }
 
-/// Writes whole floats as integers, as [`read`] does.
+/// Turns whole floats into integers, as [`read`] does.
 pub(super) fn tidy(json: &mut Json) {
     match json {
         Json::Number(n) if n.is_f64() => {
@@ -46,7 +46,7 @@ pub(super) fn tidy(json: &mut Json) {
     }
 }
 
-/// Whether two values are the same, however their numbers are spelt.
+/// Whether two values are equal; numbers are compared by value.
 pub(super) fn same(a: &Json, b: &Json) -> bool {
     match (a, b) {
         (Json::Number(a), Json::Number(b)) => {
@@ -83,7 +83,7 @@ fn explain(error: &serde_json::Error, text: &str) -> LoadError {
     LoadError::Syntax { message, line, column }
 }
 
-/// The bare word at a place of a text.
+/// The unquoted word at a line and column of a text.
 fn word_at(text: &str, line: usize, column: usize) -> Option<&str> {
     let bytes = text.lines().nth(line.checked_sub(1)?)?.as_bytes();
     let at = column.checked_sub(1)?.min(bytes.len().checked_sub(1)?);
@@ -95,15 +95,15 @@ fn word_at(text: &str, line: usize, column: usize) -> Option<&str> {
     starts_well.then(|| std::str::from_utf8(word).ok()).flatten()
 }
 
-/// Where a value stands: a list through the stack.
+/// The path of a value in the document, as a linked list on the stack.
 #[derive(Clone, Copy)]
 struct Path<'a> {
     up: Option<&'a Self>,
-    step: Step<'a>,
+    step: PathStep<'a>,
 }
 
 #[derive(Clone, Copy)]
-enum Step<'a> {
+enum PathStep<'a> {
     Key(&'a str),
     Item(usize),
 }
@@ -114,8 +114,8 @@ impl fmt::Display for Path<'_> {
             write!(f, "{up}.")?;
         }
         match self.step {
-            Step::Key(key) => write!(f, "{key}"),
-            Step::Item(i) => write!(f, "{i}"),
+            PathStep::Key(key) => write!(f, "{key}"),
+            PathStep::Item(i) => write!(f, "{i}"),
         }
     }
 }
@@ -200,7 +200,7 @@ impl<'de> Visitor<'de> for Any<'_> {
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Json, A::Error> {
         let mut list = Vec::new();
         loop {
-            let path = Path { up: self.path, step: Step::Item(list.len()) };
+            let path = Path { up: self.path, step: PathStep::Item(list.len()) };
             match items.next_element_seed(self.below(&path))? {
                 Some(item) => list.push(item),
                 None => return Ok(Json::Array(list)),
@@ -216,7 +216,7 @@ impl<'de> Visitor<'de> for Any<'_> {
                 let message = format!("{at} has a key of {found} bytes, the limit is {MAX_KEY}");
                 return Err(A::Error::custom(message));
             }
-            let path = Path { up: self.path, step: Step::Key(&key) };
+            let path = Path { up: self.path, step: PathStep::Key(&key) };
             if map.contains_key(&key) {
                 return Err(A::Error::custom(format!("`{path}` is written twice")));
             }

@@ -1,4 +1,4 @@
-//! Reading a file: what is not a graph at all is an error, what is wrong inside one is kept.
+//! Reading a file. A file that is no graph at all is an error; faults inside a graph are kept and reported as problems.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -16,11 +16,11 @@ use crate::node::{Kind, Migration};
 use crate::nodes::Registry;
 use crate::text::brief;
 
-/// Largest file, in bytes.
+/// The most bytes of a file.
 pub const MAX_FILE: u64 = 16 << 20;
-/// Most nodes in a graph.
+/// The most nodes in a graph.
 pub const MAX_NODES: usize = 20_000;
-/// Most outputs, and most exposed parameters, in a graph.
+/// The most outputs, and the most exposed parameters, in a graph.
 pub const MAX_NAMED: usize = 1000;
 
 /// Why a file cannot be opened as a graph. The caller adds which file it was.
@@ -111,14 +111,14 @@ pub enum LoadError {
 }
 
 impl Graph {
-    /// Opens a file; its size and kind are looked at before it is read.
+    /// Opens a file. Its size and type are checked before it is read.
     ///
     /// # Errors
-    /// When it cannot be read, or is not a graph.
+    /// Fails when the file cannot be read or is no graph.
     pub fn open(path: &Path, registry: &Registry) -> Result<Self, LoadError> {
         let limited =
             |size| if size > MAX_FILE { Err(LoadError::TooLarge { size, limit: MAX_FILE }) } else { Ok(()) };
-        // Asked before opening: to open a pipe is to wait for its writer.
+        // The type is checked before the file is opened, because opening a pipe blocks until there is a writer.
         let meta = std::fs::metadata(path)?;
         if !meta.is_file() {
             return Err(LoadError::NotAFile);
@@ -129,11 +129,11 @@ impl Graph {
         Self::from_bytes(&bytes, registry)
     }
 
-    /// Reads a file.
+    /// Reads the content of a file.
     ///
     /// # Errors
-    /// When it is not a graph: not JSON, of a newer format, or without the structure of one. What is wrong inside a
-    /// graph is kept and reported by [`problems`](Self::problems).
+    /// Fails when it is not JSON, is of a newer format, or lacks the structure of a graph. Other faults are kept and
+    /// reported by [`problems`](Self::problems).
     pub fn from_bytes(bytes: &[u8], registry: &Registry) -> Result<Self, LoadError> {
         Self::read(bytes, registry, FORMAT_STEPS)
     }
@@ -146,7 +146,7 @@ impl Graph {
             let offset = e.valid_up_to();
             LoadError::NotUtf8 { offset, line: 1 + bytes[..offset].iter().filter(|b| **b == b'\n').count() }
         })?;
-        // Some editors put a byte order mark before UTF-8.
+        // Some editors write a byte order mark before UTF-8.
         let parsed = json::read(text.strip_prefix('\u{feff}').unwrap_or(text))?;
         let mut file = object(parsed, "the file")?;
         migrate::upgrade(&mut file, steps)?;
@@ -218,7 +218,7 @@ impl Graph {
     /// The version of a kind in the file.
     ///
     /// # Errors
-    /// A sentence when it is none, or newer than the program's.
+    /// Returns a message when the version is invalid, or newer than that of this program.
     pub(super) fn version_of(&self, kind: &Kind) -> Result<u32, String> {
         let current = kind.version;
         let Some(written) = self.versions.get(kind.id.as_str()) else { return Ok(current) };
@@ -236,7 +236,7 @@ impl Graph {
         }
     }
 
-    /// Brings parameters, and the exposed parameters that bind them, to the versions of this program.
+    /// Migrates parameters, and the exposed parameters that bind them, to the versions of this program.
     fn migrate_kinds(&mut self) {
         let mut kinds: Vec<Arc<Kind>> = self.nodes().filter_map(|id| self.node(id).kind().cloned()).collect();
         kinds.sort_unstable_by(|a, b| a.id.cmp(&b.id));
@@ -249,7 +249,7 @@ impl Graph {
                     "the file does not say under `kinds` which version of `{}` it means; it is read as version {version}",
                     kind.id
                 );
-                self.doubts.push(Problem::warning(Place::Graph, message));
+                self.load_warnings.push(Problem::warning(Place::Graph, message));
             }
             let steps = kind.migrations.get(version as usize - 1..).unwrap_or_default();
             if !steps.is_empty() {
@@ -302,8 +302,8 @@ impl Graph {
         }
     }
 
-    /// Writes the exposed values into what they bind. A null is taken from there instead, but for those of which the
-    /// file says that it is meant.
+    /// Writes the values of exposed parameters to their binds. A null takes over the value of the first bind instead,
+    /// except where `says_null` says that the file means null.
     pub(super) fn apply_exposed(&mut self, says_null: &[bool]) {
         let hints = Hints::none();
         let owners = self.owners();
@@ -325,7 +325,7 @@ impl Graph {
                     let message =
                         format!("is written as {written}, but exposed as `{name}` with {used}, which counts");
                     let note = Problem::warning(self.place_of(bind), message);
-                    self.doubts.push(note);
+                    self.load_warnings.push(note);
                 }
                 self.put_at(bind, value.clone());
             }
@@ -343,14 +343,14 @@ fn object(json: Json, path: &str) -> Result<Map<String, Json>, LoadError> {
     }
 }
 
-/// A part of the file, empty when it is not there.
+/// A part of the file; empty where the file does not have it.
 fn part(file: &mut Map<String, Json>, key: &str) -> Result<Map<String, Json>, LoadError> {
     file.shift_remove(key).map_or_else(|| Ok(Map::new()), |json| object(json, key))
 }
 
 type Entries = Vec<(String, Map<String, Json>)>;
 
-/// The entries of a part, each an object.
+/// The entries of a part, each of which is an object.
 fn named(
     part: Map<String, Json>,
     path: &str,

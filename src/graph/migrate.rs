@@ -1,4 +1,4 @@
-//! Old files: steps from one format, or one version of a kind, to the next.
+//! Migration of old files: steps from one format, or from one version of a kind, to the next.
 
 use serde_json::{Map, Value as Json};
 
@@ -9,7 +9,7 @@ use crate::node::Migration;
 /// Rewrites a file of one format into the next.
 pub(super) type FormatStep = fn(&mut Map<String, Json>);
 
-/// The step from each format before the current; the first leads from format 1 to 2.
+/// The steps from each format to the next; the first leads from format 1 to 2.
 pub(super) const FORMAT_STEPS: &[FormatStep] = &[];
 
 /// The format of the files that this version writes.
@@ -39,10 +39,10 @@ pub(super) fn parameters(set: &mut Map<String, Json>, steps: &[Migration]) {
     }
 }
 
-/// Where a parameter and its value went in a migration: the path below the node and the value there.
+/// The path and the value of a parameter after a migration.
 ///
-/// The steps only know whole sets of parameters, so they are run on the node's set with the value put in; a
-/// parameter that is gone afterwards went by another name when exactly one new name came.
+/// A step migrates a whole set of parameters, so that the steps run on the set of the node with the value added. Where
+/// the parameter is gone afterwards and exactly one new name has appeared, it was renamed to that.
 pub(super) fn follow(
     set: &Map<String, Json>,
     steps: &[Migration],

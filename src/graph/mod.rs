@@ -1,12 +1,13 @@
-//! The document: a directed graph of nodes, the world they make, and the file that holds both.
+//! The document: a directed graph of nodes, the terrain they make, and the file with both.
 //!
-//! A [`Graph`] is read from a `.graph` file, checked, edited and written back. Reading fails only where there is no
-//! graph to show; what is wrong inside one is kept as it was written and reported by [`Graph::problems`], each
-//! [`Problem`] with its [`Place`]. Edits refuse what would be wrong, with the same problems. `docs/graph-file.md`
-//! describes the file.
+//! A [`Graph`] is read from a `.graph` file, checked, edited and written back. Reading fails only where a file is no
+//! graph at all. Faults inside a graph are kept as they were written, and reported by [`Graph::problems`], each
+//! [`Problem`] with its [`Place`]. Edits that would cause a fault are refused with the same problems.
+//! `docs/graph-file.md` describes the file.
 //!
-//! Names, places on the canvas, titles and exposed names have no part in what a node computes, so no edit of those
-//! touches a cached result; the engine takes [`GraphNode::parse`], the wires and the [`Terrain`] and nothing else.
+//! Names, places on the canvas, titles and exposed names do not influence what a node computes, so that editing them
+//! leaves all cached results valid. The engine uses [`GraphNode::parse`], the wires and the [`Terrain`] and nothing
+//! else.
 
 mod bind;
 mod canvas;
@@ -61,7 +62,7 @@ pub struct Graph {
     sequence: Vec<NodeId>,
     names: Arc<HashMap<String, NodeId>>,
     about: About,
-    /// The terrain as the file writes it, and as it is used.
+    /// The settings of the terrain as the file has them, and the terrain made of them.
     settings: Map<String, Json>,
     terrain: Terrain,
     exposed: Vec<(String, Exposed)>,
@@ -70,10 +71,10 @@ pub struct Graph {
     /// The versions that the file states for kinds that this program does not know.
     versions: Map<String, Json>,
     extra: Map<String, Json>,
-    /// What was doubtful in the file that was read, and is settled when it is written anew.
-    doubts: Vec<Problem>,
-    /// Errors of the terrain and of exposed parameters.
-    stopped: Vec<Problem>,
+    /// Warnings about the file as it was read. The next change clears them, because writing the graph resolves them.
+    load_warnings: Vec<Problem>,
+    /// Errors of the terrain and of exposed parameters, which block outputs.
+    blocking_problems: Vec<Problem>,
     /// The file as it was read, while nothing has changed.
     original: Option<Arc<[u8]>>,
     edits: u64,
@@ -91,7 +92,7 @@ impl Graph {
         Self::with_registry(Registry::standard())
     }
 
-    /// An empty graph over the default terrain, with some kinds.
+    /// An empty graph over the default terrain, with the kinds of a registry.
     pub fn with_registry(registry: Registry) -> Self {
         Self {
             registry,
@@ -106,30 +107,30 @@ impl Graph {
             versions: Map::new(),
             extra: Map::new(),
             notes: Vec::new(),
-            doubts: Vec::new(),
-            stopped: Vec::new(),
+            load_warnings: Vec::new(),
+            blocking_problems: Vec::new(),
             original: None,
             edits: 0,
         }
     }
 
-    /// The kinds that its nodes may be of.
+    /// The kinds that the nodes can have.
     pub fn registry(&self) -> &Registry {
         &self.registry
     }
 
-    /// What it says about itself.
+    /// Title, author and other texts of the graph.
     pub fn about(&self) -> &About {
         &self.about
     }
 
-    /// The world, exposed values included. It never has a [`Terrain::fault`]: settings that do not fit have their
-    /// defaults, and [`problems`](Self::problems) tells.
+    /// The terrain, with the values of exposed parameters. It never has a [`Terrain::fault`]: settings with faults have
+    /// their defaults instead, and [`problems`](Self::problems) reports them.
     pub fn terrain(&self) -> &Terrain {
         &self.terrain
     }
 
-    /// The settings of the terrain as they are written, those that do not fit included.
+    /// The settings of the terrain as they are written, including those with faults.
     pub fn terrain_settings(&self) -> &Map<String, Json> {
         &self.settings
     }
@@ -139,20 +140,20 @@ impl Graph {
         self.sequence.iter().copied()
     }
 
-    /// A node.
+    /// The node of an id.
     ///
     /// # Panics
-    /// When the graph has no such node; see [`get`](Self::get).
+    /// Panics when the graph has no such node; see [`get`](Self::get).
     pub fn node(&self, id: NodeId) -> &GraphNode {
         &self.dag[id]
     }
 
-    /// A node, if the graph has it.
+    /// The node of an id, if the graph has it.
     pub fn get(&self, id: NodeId) -> Option<&GraphNode> {
         self.dag.get(id).map(|node| &**node)
     }
 
-    /// A node, as copies of the graph share it until one changes it: what is the same pointer is the same node.
+    /// A node in the form that copies of the graph share until one changes it. Equal pointers mean equal nodes.
     pub(crate) fn shared(&self, id: NodeId) -> Option<&Arc<GraphNode>> {
         self.dag.get(id)
     }
@@ -187,25 +188,26 @@ impl Graph {
         self.notes().find(|(n, _)| *n == name).map(|(_, note)| note)
     }
 
-    /// What the file says beyond what this version knows, kept as it was written.
+    /// Parts of the file that this version does not know, as they were written.
     pub fn extra(&self) -> &Map<String, Json> {
         &self.extra
     }
 
-    /// Whether it differs from the file it was read from, or was not read from one.
+    /// Whether the graph differs from the file it was read from, or was not read from one.
     pub fn is_changed(&self) -> bool {
         self.original.is_none()
     }
 
-    /// How many edits have changed it since it was made or read: tells an edit that did nothing.
+    /// The number of edits that have changed the graph since it was made or read; an edit that changes nothing does not
+    /// count.
     pub fn edits(&self) -> u64 {
         self.edits
     }
 
-    /// Called by every edit that changes something.
+    /// Records that an edit changed something.
     fn touch(&mut self) {
         self.original = None;
         self.edits += 1;
-        self.doubts.clear();
+        self.load_warnings.clear();
     }
 }

@@ -1,4 +1,4 @@
-//! The order of evaluation, and what lies above and below a node.
+//! The order of evaluation, and the nodes upstream and downstream of a node.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap, HashMap};
@@ -8,31 +8,31 @@ use petgraph::Direction::{self, Incoming, Outgoing};
 use super::{Graph, NodeId, Place, Problem};
 
 impl Graph {
-    /// All nodes, sources before what reads them, otherwise in the order of the file.
+    /// All nodes, each after the nodes that it reads, otherwise in the order of the file.
     ///
     /// # Errors
-    /// Names the nodes of a cycle.
+    /// Fails when there is a cycle, whose nodes the error names.
     pub fn order(&self) -> Result<Vec<NodeId>, Problem> {
         self.sorted(self.sequence.clone()).map_err(|rest| self.cycle_problem(&rest))
     }
 
-    /// The nodes above some nodes, themselves included, sources before what reads them, otherwise in the order of
-    /// the file. Cycles elsewhere in the graph do not matter.
+    /// Some nodes and all nodes upstream of them, each after the nodes that it reads, otherwise in the order of the
+    /// file. Cycles elsewhere in the graph are ignored.
     ///
     /// # Errors
-    /// Names the nodes of a cycle.
+    /// Fails when there is a cycle among these nodes, which the error names.
     pub fn order_of(&self, ids: &[NodeId]) -> Result<Vec<NodeId>, Problem> {
         let wanted = self.reach(ids, Incoming);
         let nodes = self.nodes().filter(|id| wanted.contains(id)).collect();
         self.sorted(nodes).map_err(|rest| self.cycle_problem(&rest))
     }
 
-    /// A node and everything that it reads, directly or through others.
+    /// A node and all nodes that it reads, directly or through others.
     pub fn upstream(&self, id: NodeId) -> BTreeSet<NodeId> {
         self.reach(&[id], Incoming)
     }
 
-    /// A node and everything that reads it, directly or through others.
+    /// A node and all nodes that read it, directly or through others.
     pub fn downstream(&self, id: NodeId) -> BTreeSet<NodeId> {
         self.reach(&[id], Outgoing)
     }
@@ -46,13 +46,13 @@ impl Graph {
         found
     }
 
-    /// Sorts some nodes, given in the order of the file; `Err` has those on cycles or below one.
+    /// Sorts nodes that are given in the order of the file; `Err` has those on a cycle or downstream of one.
     fn sorted(&self, nodes: Vec<NodeId>) -> Result<Vec<NodeId>, Vec<NodeId>> {
         let (sorted, rest) = self.sorted_as_far(nodes);
         if rest.is_empty() { Ok(sorted) } else { Err(rest) }
     }
 
-    /// Sorts some nodes, given in the order of the file, as far as there is an order; the rest is on cycles or below one.
+    /// Sorts nodes that are given in the order of the file. The second list has those on a cycle or downstream of one.
     pub(super) fn sorted_as_far(&self, nodes: Vec<NodeId>) -> (Vec<NodeId>, Vec<NodeId>) {
         let place: HashMap<NodeId, usize> = nodes.iter().enumerate().map(|(i, &id)| (id, i)).collect();
         let sources =
@@ -74,7 +74,7 @@ impl Graph {
         (order, rest)
     }
 
-    /// One problem for each knot of nodes that read each other.
+    /// One problem for each group of nodes that read each other.
     pub(super) fn cycles(&self) -> Vec<Problem> {
         let Err(mut rest) = self.sorted(self.sequence.clone()) else { return Vec::new() };
         let mut found = Vec::new();
@@ -101,8 +101,8 @@ impl Graph {
         self.cycle_named(&self.cycle_in(rest))
     }
 
-    /// A cycle among nodes of which each reads another of them, in the direction of the wires, from the node that
-    /// stands first in the file.
+    /// A cycle among nodes each of which reads another of them. It follows the wires and begins with the node that is
+    /// first in the file.
     fn cycle_in(&self, nodes: &[NodeId]) -> Vec<NodeId> {
         let among: BTreeSet<NodeId> = nodes.iter().copied().collect();
         let (mut walk, mut seen) = (Vec::new(), HashMap::new());
@@ -129,7 +129,7 @@ impl Graph {
         Problem::error(Place::Node(self.node(first).name.clone()), message).of(first)
     }
 
-    /// "`a` > `b` > `a`"; the middle of a long path is left out.
+    /// The text of a path, such as "`a` > `b` > `a`"; the middle of a long path is left out.
     pub(super) fn path_text(&self, path: &[NodeId], last: NodeId) -> String {
         const SHOWN: usize = 12;
         let name = |id: &NodeId| format!("`{}`", self.node(*id).name);
@@ -141,7 +141,7 @@ impl Graph {
         names.join(" > ")
     }
 
-    /// The nodes on a way along the wires from one node to another, both included.
+    /// The nodes of a path along the wires from one node to another, both included.
     pub(super) fn way(&self, from: NodeId, to: NodeId) -> Option<Vec<NodeId>> {
         let mut reached_from = HashMap::from([(from, from)]);
         let mut front = std::collections::VecDeque::from([from]);
@@ -165,5 +165,5 @@ impl Graph {
     }
 }
 
-/// Cycles that are named one by one; each takes a walk over what is left.
+/// The most cycles that are reported; each takes a walk over the remaining nodes.
 const MAX_CYCLES: usize = 64;

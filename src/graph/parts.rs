@@ -1,8 +1,8 @@
-//! The parts of a graph: nodes, outputs, exposed parameters and what the graph says about itself.
+//! The parts of a graph: nodes, outputs, exposed parameters and the texts about the graph.
 //!
-//! What a part may hold is said once, in its struct: reading, checking, writing and the published schema all
-//! follow from its JSON schema. A key that is not known, or whose value does not fit, stays in `extra` as it was
-//! written and is reported.
+//! The keys of a part are declared once, in its struct: reading, checking, writing and the published schema all follow
+//! from its JSON schema. A key that is unknown, or whose value does not fit, stays in `extra` as it was written and is
+//! reported as a problem.
 
 use std::sync::{Arc, LazyLock};
 
@@ -23,7 +23,7 @@ use crate::value::Quantity;
 pub enum KindRef {
     /// A kind of this program.
     Known(Arc<Kind>),
-    /// A kind that this program does not have, or has in an older version only: the node is kept as it was written.
+    /// A kind that this program does not have, or only in an older version; the node is kept as it was written.
     Unknown(String),
 }
 
@@ -55,9 +55,9 @@ pub enum Backend {
 pub struct GraphNode {
     /// Name, unique in the graph.
     pub name: String,
-    /// What kind it is.
+    /// The kind of the node.
     pub kind: KindRef,
-    /// Parameters that are set, those that are exposed included; the others have their defaults.
+    /// The parameters that are set, including exposed ones; the others have their defaults.
     pub set: Settings,
     /// Place on the canvas.
     pub at: [f64; 2],
@@ -74,7 +74,7 @@ pub struct GraphNode {
 }
 
 impl GraphNode {
-    /// Its kind, if this program has it.
+    /// The kind of the node, if this program has it.
     pub fn kind(&self) -> Option<&Arc<Kind>> {
         match &self.kind {
             KindRef::Known(kind) => Some(kind),
@@ -82,18 +82,18 @@ impl GraphNode {
         }
     }
 
-    /// The parsed parameters, ready to run: parsed once, and anew after a change.
+    /// The node with parsed parameters, ready to run. It is parsed once, and again after a change.
     ///
     /// # Errors
-    /// Names the parameter that does not fit, or the kind when it is not known.
+    /// Fails when a parameter does not fit or the kind is unknown.
     pub fn parse(&self) -> node::Result<Arc<dyn AnyNode>> {
         self.set.parse(self.known()?)
     }
 
-    /// What keys hold of the parameters; see [`Kind::digest`].
+    /// The hash of the parameters that is part of keys, see [`Kind::digest`].
     ///
     /// # Errors
-    /// Those of [`parse`](Self::parse).
+    /// Returns the errors of [`parse`](Self::parse).
     pub fn digest(&self) -> node::Result<[u8; 32]> {
         self.set.digest(self.known()?)
     }
@@ -113,7 +113,8 @@ impl GraphNode {
         self.loose.iter().map(|(port, written)| (port.as_str(), written))
     }
 
-    /// The parameters that differ from their defaults, in the order of the kind, then those it does not know.
+    /// The parameters that differ from their defaults, in the order of the kind, then those that the kind does not
+    /// know.
     pub(super) fn changed(&self) -> Map<String, Json> {
         let params = self.kind().map_or(&[][..], |kind| kind.params());
         let differs = |p: &&Param| self.set.get(&p.name).is_some_and(|v| !super::json::same(v, &p.default));
@@ -132,10 +133,12 @@ pub struct Output {
     #[schemars(length(max = 512))]
     #[serde(skip_serializing_if = "String::is_empty")]
     pub from: String,
-    /// File format; by default one that suits the values: `exr` for heights and fields, `png16` for masks, `png8` for colours.
+    /// File format; by default one that suits the values: `exr` for heights and fields, `png16` for masks, `png8` for
+    /// colours.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<Format>,
-    /// The values that the lowest and the highest integer of the file stand for; by default those found on the base grid.
+    /// The values that the lowest and the highest integer of the file stand for; by default those found on the base
+    /// grid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
     /// Lets values beyond the range be cut off instead of stopping the build.
@@ -157,7 +160,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// The format in which it is written: its own, or one that suits what its numbers mean.
+    /// The format of the file: that of the output, or one that suits the quantity.
     pub fn format_for(&self, quantity: Quantity) -> Format {
         self.format.unwrap_or(match (quantity, self.target) {
             (Quantity::Elevation, Some(target)) => target.format(),
@@ -200,7 +203,7 @@ pub struct Exposed {
 }
 
 impl Exposed {
-    /// An exposed parameter that binds something and takes its value over.
+    /// An exposed parameter with one bind, whose value it takes over.
     pub fn of(bind: &str) -> Self {
         Self { bind: vec![bind.to_owned()], ..Self::default() }
     }
@@ -231,7 +234,7 @@ pub struct About {
     pub tags: Vec<String>,
 }
 
-/// The keys of a node that are neither its kind nor its inputs nor its parameters.
+/// The keys of a node apart from its kind, its inputs and its parameters.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub(super) struct NodeKeys {
@@ -256,10 +259,10 @@ fn is_auto(backend: &Backend) -> bool {
 
 /// A part whose keys are read from its own JSON schema.
 pub(super) trait Part: Default + Serialize + DeserializeOwned + JsonSchema {
-    /// Its keys.
+    /// The keys of the part.
     fn keys() -> &'static [Param];
 
-    /// Takes out of an object what fits; the rest stays.
+    /// Takes the keys with fitting values out of an object; the others stay in it.
     fn take(written: &mut Map<String, Json>) -> Self {
         let fits = |p: &&Param| written.get(&p.name).is_some_and(|v| p.shape.check(v).is_ok());
         let keys: Vec<&Param> = Self::keys().iter().filter(fits).collect();
@@ -271,7 +274,7 @@ pub(super) trait Part: Default + Serialize + DeserializeOwned + JsonSchema {
         part
     }
 
-    /// The object to write, in the order of declaration; what is kept in `extra` goes before what is known.
+    /// The object to write, with keys in the order of declaration. Values in `extra` take precedence.
     fn give(&self, extra: &Map<String, Json>) -> Map<String, Json> {
         let mut map = match serde_json::to_value(self) {
             Ok(Json::Object(map)) => map,
@@ -301,7 +304,7 @@ macro_rules! parts {
 }
 parts!(Output, Exposed, About, NodeKeys, Note);
 
-/// What is wrong with the keys in `extra`: known ones whose values do not fit, and unknown ones.
+/// The faults of the keys in `extra`: known keys whose values do not fit, and unknown ones.
 pub(super) fn faults(
     keys: &[Param],
     more: &[&'static str],

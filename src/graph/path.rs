@@ -9,16 +9,16 @@ use crate::params::{Param, Shape};
 pub(super) struct Spot<'a> {
     /// The innermost named parameter.
     pub(super) param: &'a Param,
-    /// What values fit.
+    /// The shape of fitting values.
     pub(super) shape: &'a Shape,
     /// The value there.
     pub(super) value: Json,
 }
 
-/// Follows a path below a parameter that has a value.
+/// Follows a path below a parameter with a value.
 ///
 /// # Errors
-/// A sentence without a subject: names the step that leads nowhere.
+/// Returns a sentence without a subject that names the step that does not exist.
 pub(super) fn walk<'a>(
     param: &'a Param,
     value: &Json,
@@ -99,7 +99,7 @@ pub(super) fn get<'a>(value: &'a Json, path: &[&str]) -> Option<&'a Json> {
     })
 }
 
-/// Puts a value at the end of a path that [`walk`] has followed; objects that are missing on the way are made.
+/// Writes a value at the end of a path that [`walk`] has followed; missing objects on the way are made.
 pub(super) fn put(value: &mut Json, path: &[&str], new: Json) {
     let Some((&first, rest)) = path.split_first() else {
         *value = new;

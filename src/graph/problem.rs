@@ -1,4 +1,4 @@
-//! What is wrong with a graph, and where.
+//! Problems: faults of a graph, with their places.
 
 use std::cell::Cell;
 use std::collections::BTreeSet;
@@ -10,16 +10,16 @@ use super::NodeId;
 use crate::params::did_you_mean;
 use crate::text::printable;
 
-/// How bad a [`Problem`] is.
+/// The severity of a [`Problem`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
-    /// Doubtful: the graph still gives a result.
+    /// A likely mistake; the graph still gives a result.
     Warning,
-    /// Wrong: what depends on the place cannot be computed.
+    /// A fault; nothing that depends on the place can be computed.
     Error,
 }
 
-/// Where in a graph something is.
+/// A place in a graph.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Place {
@@ -43,7 +43,7 @@ pub enum Place {
         /// The output.
         port: String,
     },
-    /// A parameter of a node; a dotted path where it lies inside a mode or a list.
+    /// A parameter of a node; a dotted path where it is inside a mode or a list.
     Parameter {
         /// The node.
         node: String,
@@ -74,18 +74,18 @@ impl fmt::Display for Place {
     }
 }
 
-/// Something wrong or doubtful in a graph, or the reason why an edit was refused.
+/// A fault or a likely mistake in a graph, or the reason why an edit was refused.
 ///
-/// Prints as place and message on one line, whatever texts they quote: "node `hills`, parameter `octaves`: must be a
-/// whole number from 1 to 16, got 99".
+/// It prints as place and message on one line, even where quoted texts have line breaks: "node `hills`, parameter
+/// `octaves`: must be a whole number from 1 to 16, got 99".
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", printable(&format!("{place}: {message}")))]
 pub struct Problem {
-    /// How bad it is.
+    /// Error or warning.
     pub severity: Severity,
-    /// Where it is.
+    /// The place of the fault.
     pub place: Place,
-    /// What is wrong: the limit and the value found, without the place.
+    /// The message with the limit and the value found, without the place.
     pub message: String,
     pub(super) node: Option<NodeId>,
 }
@@ -101,18 +101,18 @@ impl Problem {
         Self { severity: Severity::Warning, ..Self::error(place, message) }
     }
 
-    /// The problem with the node that it belongs to.
+    /// The problem, attributed to a node.
     pub fn of(self, node: NodeId) -> Self {
         Self { node: Some(node), ..self }
     }
 
-    /// Whether it is an error.
+    /// Whether the problem is an error.
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error
     }
 
-    /// The node that it belongs to: an error stops this node and what lies downstream of it, nothing else. `None`
-    /// for problems of the graph, of its terrain and of its outputs.
+    /// The node to which the problem belongs. An error stops this node and those downstream of it, and nothing else.
+    /// `None` for problems of the graph, of its terrain and of its outputs.
     pub fn blames(&self) -> Option<NodeId> {
         self.node
     }
@@ -123,7 +123,7 @@ impl Problem {
         let concerns = match (&self.place, self.node) {
             (_, Some(node)) => upstream.contains(&node),
             (Place::Output(output), None) => output == name,
-            // What it would set is told as well, at the node or the setting of the terrain.
+            // The nodes and settings that it sets have problems of their own.
             (Place::Exposed(_), None) => false,
             _ => true,
         };
@@ -131,13 +131,13 @@ impl Problem {
     }
 }
 
-/// Looks for the nearest names while a budget of comparisons lasts: a hostile file may hold a hundred thousand
-/// misspelt names, and nobody reads that many suggestions.
+/// A search for similar names with a budget of comparisons. A hostile file may have a hundred thousand misspelt names,
+/// for which suggestions are of no use.
 pub(super) struct Hints(Cell<usize>);
 
-/// Comparisons of two names in one validation: well below a tenth of a second.
+/// The most comparisons of names in one validation; they take well below a tenth of a second.
 const COMPARISONS: usize = 20_000;
-/// Longer names, in bytes, are no slip of the pen; comparing is quadratic in the length.
+/// The most bytes of a name that is compared, since the time is quadratic in the length.
 const LONGEST_NAME: usize = 200;
 
 impl Hints {
@@ -145,12 +145,12 @@ impl Hints {
         Self(Cell::new(COMPARISONS))
     }
 
-    /// For checks whose messages nobody will read.
+    /// A search that finds nothing, for checks whose messages are not shown.
     pub(super) fn none() -> Self {
         Self(Cell::new(0))
     }
 
-    /// "; did you mean `x`?", or nothing when no name is near.
+    /// The text "; did you mean `x`?", or an empty one where no name is similar.
     pub(super) fn nearest<'a>(&self, name: &str, names: impl IntoIterator<Item = &'a str>) -> String {
         if name.len() > LONGEST_NAME {
             return String::new();
@@ -163,7 +163,7 @@ impl Hints {
     }
 }
 
-/// Some names for a message: "`a`, `b`", or "none".
+/// The text of some names, such as "`a`, `b`", or "none".
 pub(super) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     const SHOWN: usize = 24;
     let mut all: Vec<_> = names.into_iter().map(|n| format!("`{n}`")).take(SHOWN + 1).collect();

@@ -1,29 +1,29 @@
-//! What the numbers on the wires mean, known without running anything.
+//! Quantities of outputs, which are known without running any node.
 
 use std::collections::HashMap;
 
 use super::{Graph, NodeId, Source};
 use crate::value::Quantity;
 
-/// What the numbers of the outputs of some nodes mean.
+/// The quantities of the outputs of some nodes.
 #[derive(Clone, Debug, Default)]
 pub struct GraphQuantities(HashMap<NodeId, Vec<Option<Quantity>>>);
 
 impl Graph {
-    /// What the numbers of every output in the graph mean.
+    /// The quantities of all outputs in the graph.
     pub fn quantities(&self) -> GraphQuantities {
-        // Nodes on a cycle, and those below one, have none.
+        // Nodes on a cycle or downstream of one have none.
         let (sorted, _) = self.sorted_as_far(self.sequence.clone());
         self.quantities_of(&sorted)
     }
 
-    /// What the numbers of an output mean; `None` where it has none, or a fault leaves that open.
+    /// The quantity of an output; `None` where it has no numbers, or a fault leaves the quantity open.
     pub fn quantity(&self, source: &Source) -> Option<Quantity> {
         let source = self.passed(source.clone())?;
         self.quantities_of(&self.order_of(&[source.node]).ok()?).get(self, &source)
     }
 
-    /// Those of some nodes, given sources first.
+    /// The quantities of nodes that are sorted, sources first.
     fn quantities_of(&self, nodes: &[NodeId]) -> GraphQuantities {
         let mut known = GraphQuantities::default();
         for &id in nodes {
@@ -42,7 +42,7 @@ impl Graph {
 }
 
 impl GraphQuantities {
-    /// What the numbers of an output of a graph mean; `None` where it has none, or a fault leaves that open.
+    /// The quantity of an output of a node; `None` where it has no numbers, or a fault leaves the quantity open.
     pub fn get(&self, graph: &Graph, source: &Source) -> Option<Quantity> {
         let source = graph.passed(source.clone())?;
         let output = graph.get(source.node)?.kind()?.outputs.iter().position(|p| p.name == source.port)?;

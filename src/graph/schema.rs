@@ -1,26 +1,26 @@
-//! The JSON schema of `.graph` files, so that any editor can check them while they are typed.
+//! The JSON schema of `.graph` files, with which text editors can check them.
 
 use schemars::{JsonSchema, schema_for};
 use serde_json::{Map, Value as Json, json};
 
 use super::canvas::Note;
 use super::parts::{About, Exposed, NodeKeys, Output};
-use super::settings::Settings;
+use super::settings::TerrainSettings;
 use super::{FORMAT, MAX_NAMED, MAX_NODES};
 use crate::node::Kind;
 use crate::nodes::Registry;
 
-/// The JSON schema (draft 2020-12) of graph files whose nodes are of some kinds.
+/// The JSON schema (draft 2020-12) of graph files with the kinds of a registry.
 ///
-/// It is stricter than the reader in one way: keys that are not known fail, where the reader keeps them and warns,
-/// since an editor should mark a slip of the pen. It cannot see whether wires and binds lead somewhere.
+/// It is stricter than the reader in one way: it rejects unknown keys, so that a text editor marks typing errors, while
+/// the reader keeps them with a warning. It cannot check whether wires and binds resolve.
 pub fn schema(registry: &Registry) -> Json {
     let mut defs = Map::new();
     let about = part::<About>("about", &mut defs);
     let output = output_schema(&mut defs);
     let exposed = closed(part::<Exposed>("exposed", &mut defs), &["bind"]);
     let note = closed(part::<Note>("note", &mut defs), &[]);
-    let terrain = part::<Settings>("terrain", &mut defs);
+    let terrain = part::<TerrainSettings>("terrain", &mut defs);
     let keys = part::<NodeKeys>("node", &mut defs);
     let rules: Vec<Json> = registry.iter().map(|kind| rule(kind, &mut defs)).collect();
     let kinds: Vec<&str> = registry.iter().map(|k| k.id.as_str()).collect();
@@ -74,7 +74,7 @@ fn source() -> Json {
     json!({ "type": "string", "pattern": "^[a-z0-9_]{1,64}\\.[a-z0-9_]+$" })
 }
 
-/// What a node of a kind may set and read.
+/// The rule for nodes of a kind: the parameters they can set and the inputs they can read.
 fn rule(kind: &Kind, defs: &mut Map<String, Json>) -> Json {
     let set = moved(kind.schema(), &format!("kind.{}", kind.id), defs);
     let ports = kind.inputs.iter().map(|p| {
@@ -109,12 +109,12 @@ fn output_schema(defs: &mut Map<String, Json>) -> Json {
     output
 }
 
-/// The schema of a part, its definitions moved into those of the file.
+/// The schema of a part, with its definitions moved to those of the file.
 fn part<T: JsonSchema>(name: &str, defs: &mut Map<String, Json>) -> Json {
     moved(schema_for!(T).to_value(), name, defs)
 }
 
-/// Moves the definitions of a schema into others under a prefix, and points its references there.
+/// Moves the definitions of a schema to `defs` under a prefix, and redirects its references.
 fn moved(mut schema: Json, prefix: &str, defs: &mut Map<String, Json>) -> Json {
     redirect(&mut schema, prefix);
     if let Some(object) = schema.as_object_mut() {
@@ -141,14 +141,14 @@ fn redirect(schema: &mut Json, prefix: &str) {
     }
 }
 
-/// Lets an object have no other properties, and requires some.
+/// Forbids other properties of an object, and requires some.
 fn closed(mut schema: Json, required: &[&str]) -> Json {
     schema["additionalProperties"] = false.into();
     schema["required"] = required.iter().map(|&r| Json::from(r)).collect();
     schema
 }
 
-/// The terrain's settings have defaults, so none is required.
+/// Makes all settings of the terrain optional, since they have defaults.
 fn open_defaults(mut schema: Json) -> Json {
     if let Some(object) = schema.as_object_mut() {
         object.shift_remove("required");
@@ -156,7 +156,7 @@ fn open_defaults(mut schema: Json) -> Json {
     schema
 }
 
-/// Takes over the properties of a part.
+/// Adds the properties of a part.
 fn adopt(properties: &mut Json, part: &Json) {
     for (name, property) in part["properties"].as_object().into_iter().flatten() {
         properties[name] = property.clone();

@@ -7,8 +7,8 @@ use serde_json::{Map, Value as Json};
 
 use crate::node::{self, AnyNode, Kind};
 
-/// The parameters that are set, by name. They read and change as a map does; what was parsed of them is shared by all
-/// copies and forgotten when one is changed.
+/// The parameters that a node sets, by name. They are read and changed like a map. The parsed form is shared by all
+/// copies and dropped when a copy is changed.
 #[derive(Clone, Debug, Default)]
 pub struct Settings(Arc<Kept>);
 
@@ -18,7 +18,7 @@ struct Kept {
     parsed: OnceLock<Parsed>,
 }
 
-/// What a kind made of the parameters.
+/// The parsed form of the parameters, for one kind.
 #[derive(Clone, Debug)]
 struct Parsed {
     kind: Arc<Kind>,
@@ -33,18 +33,18 @@ impl Parsed {
 }
 
 impl Settings {
-    /// The node that a kind makes of them.
+    /// The node of a kind with these parameters.
     ///
     /// # Errors
-    /// Those of [`Kind::parse`].
+    /// Returns the errors of [`Kind::parse`].
     pub(super) fn parse(&self, kind: &Arc<Kind>) -> node::Result<Arc<dyn AnyNode>> {
         self.with(kind, |parsed| parsed.node.clone())
     }
 
-    /// The [digest](Kind::digest) of the node that a kind makes of them.
+    /// The [digest](Kind::digest) of the node of a kind with these parameters.
     ///
     /// # Errors
-    /// Those of [`Kind::parse`].
+    /// Returns the errors of [`Kind::parse`].
     pub(super) fn digest(&self, kind: &Arc<Kind>) -> node::Result<[u8; 32]> {
         self.with(kind, |parsed| {
             let node = parsed.node.as_ref().map_err(Clone::clone)?;

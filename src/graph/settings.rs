@@ -1,4 +1,4 @@
-//! The settings of the terrain: as the file writes them, and as they are used.
+//! The settings of the terrain: their schema, and the terrain made of them.
 
 use std::sync::LazyLock;
 
@@ -12,12 +12,12 @@ use crate::widget::Widget;
 
 /// What the settings may be; a [`Terrain`] is made of them.
 #[derive(JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[schemars(deny_unknown_fields, rename = "Settings")]
 #[allow(
     dead_code,
     reason = "only its schema is used: for checks, for `--set` and for the schema that is published"
 )]
-pub(super) struct Settings {
+pub(super) struct TerrainSettings {
     /// North-west corner, x to the east and y to the south.
     #[schemars(inner(range(min = -1.0e8, max = 1.0e8)), extend("x-unit" = "m"))]
     origin: [f64; 2],
@@ -43,7 +43,7 @@ pub(super) struct Settings {
 /// The projected coordinates of the north-west corner.
 #[derive(JsonSchema)]
 #[schemars(deny_unknown_fields)]
-#[allow(dead_code, reason = "only its schema is used, as that of `Settings`")]
+#[allow(dead_code, reason = "only its schema is used, as that of `TerrainSettings`")]
 struct GeoSettings {
     /// EPSG code of a projected coordinate system in metres.
     #[schemars(range(min = 1, max = 999_999))]
@@ -61,13 +61,13 @@ pub fn terrain_params() -> &'static [Param] {
     static PARAMS: LazyLock<Vec<Param>> = LazyLock::new(|| {
         let mut defaults = serde_json::to_value(Terrain::default()).unwrap_or(Json::Null);
         super::json::tidy(&mut defaults);
-        params::of_schema(&schemars::schema_for!(Settings).to_value(), &defaults)
+        params::of_schema(&schemars::schema_for!(TerrainSettings).to_value(), &defaults)
     });
     &PARAMS
 }
 
-/// The terrain that some settings make. Settings that do not fit, or not together, have their defaults instead, so
-/// that it never has a [`Terrain::fault`]; [`faults`] says which.
+/// The terrain made of settings. Settings that do not fit, or contradict each other, have their defaults instead, so
+/// that the terrain never has a [`Terrain::fault`]; [`faults`] reports them.
 pub(super) fn terrain(settings: &Map<String, Json>) -> Terrain {
     let mut terrain = read(settings);
     let default = Terrain::default();
@@ -81,7 +81,7 @@ pub(super) fn terrain(settings: &Map<String, Json>) -> Terrain {
     terrain
 }
 
-/// The settings that fit, each by itself.
+/// The terrain made of the settings that fit by themselves.
 fn read(settings: &Map<String, Json>) -> Terrain {
     let mut terrain = Terrain::default();
     for param in terrain_params() {
@@ -103,7 +103,7 @@ fn read(settings: &Map<String, Json>) -> Terrain {
     terrain
 }
 
-/// What is wrong with some settings.
+/// The problems of the settings.
 pub(super) fn faults(settings: &Map<String, Json>, hints: &Hints) -> Vec<Problem> {
     let mut found = Vec::new();
     let names = || terrain_params().iter().map(|p| p.name.as_str());
@@ -130,7 +130,7 @@ pub(super) fn faults(settings: &Map<String, Json>, hints: &Hints) -> Vec<Problem
     found
 }
 
-/// The settings to write: all that are known, as they are written or by default, then those that are not known.
+/// The settings to write: all known ones with their values or defaults, then the unknown ones.
 pub(super) fn written(settings: &Map<String, Json>) -> Map<String, Json> {
     let value = |p: &Param| settings.get(&p.name).unwrap_or(&p.default).clone();
     let all = terrain_params().iter().map(|p| (p.name.clone(), value(p)));

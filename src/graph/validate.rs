@@ -1,4 +1,4 @@
-//! Checking: everything wrong or doubtful in a graph, in the order of the file.
+//! Validation: all errors and warnings of a graph, in the order of the file.
 
 use std::collections::HashMap;
 
@@ -13,38 +13,38 @@ use crate::text::brief;
 use crate::value::WireType;
 use crate::whole::is_device;
 
-/// Longest name of a node, an output or an exposed parameter.
+/// The most bytes in the name of a node, an output or an exposed parameter.
 const MAX_NAME: usize = 64;
 /// Top-level keys of the file that later versions will read.
 const RESERVED: [&str; 2] = ["inputs", "graphs"];
 /// Prefixes of kinds that later versions will know: graphs as nodes.
 const RESERVED_KINDS: [&str; 2] = ["graph:", "file:"];
 
-/// What is wrong with the name of an exposed parameter.
+/// The fault of the name of an exposed parameter.
 pub(super) fn name_fault(name: &str) -> Option<String> {
     let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     let good = (1..=MAX_NAME).contains(&name.len()) && name.chars().all(fits);
     (!good).then(|| format!("must have a name of 1 to {MAX_NAME} of the characters a to z, 0 to 9 and _"))
 }
 
-/// What is wrong with the name of a node.
+/// The fault of the name of a node.
 pub(super) fn node_name_fault(name: &str) -> Option<String> {
     let reserved = || "cannot have the name of the terrain's settings".to_owned();
     name_fault(name).or_else(|| (name == "terrain").then(reserved))
 }
 
-/// What is wrong with the name of an output, which becomes that of a file.
+/// The fault of the name of an output, which becomes the name of a file.
 pub(super) fn output_name_fault(name: &str) -> Option<String> {
     let device = || "has a name that Windows keeps for a device".to_owned();
     name_fault(name).or_else(|| is_device(name).then(device))
 }
 
 impl Graph {
-    /// Everything wrong or doubtful: first the graph and its terrain, then exposed parameters, nodes and outputs in
-    /// the order of the file, then cycles, twins and the rest that concerns several places.
+    /// All errors and warnings: first of the graph and its terrain, then of exposed parameters, nodes and outputs in
+    /// the order of the file, then cycles, twins and others that concern several places.
     pub fn problems(&self) -> Vec<Problem> {
         let hints = Hints::new();
-        let mut found = self.doubts.clone();
+        let mut found = self.load_warnings.clone();
         found.extend(self.extra_problems(&hints));
         found.extend(settings::faults(&self.settings, &hints));
         found.extend(self.exposed_problems(&hints));
@@ -169,7 +169,7 @@ impl Graph {
         found
     }
 
-    /// That a value comes from nodes that are left out and have nothing to pass on.
+    /// The message that a value comes from bypassed nodes that have nothing to pass on.
     pub(super) fn nothing_passed(&self, source: &Source) -> String {
         format!("reads `{}`, which is bypassed and has nothing to pass on", self.source_text(source))
     }
@@ -178,7 +178,7 @@ impl Graph {
         let problems = |(name, note): (&str, &Note)| {
             let place = Place::Note(name.to_owned());
             let fault = name_fault(name).map(|fault| Problem::warning(place.clone(), fault));
-            // What is wrong with a note stops nothing.
+            // A fault of a note is only a warning.
             let keys = placed(faults(Note::keys(), &[], &note.extra, hints), &place).into_iter();
             let soft = |problem: Problem| Problem { severity: Severity::Warning, ..problem };
             fault.into_iter().chain(keys.map(soft)).collect::<Vec<_>>()
@@ -199,7 +199,7 @@ impl Graph {
         found
     }
 
-    /// What is wrong with an output by itself.
+    /// The faults of an output by itself.
     pub(super) fn output_faults(&self, name: &str, output: &Output, hints: &Hints) -> Vec<Problem> {
         let place = Place::Output(name.to_owned());
         let error = |message: String| Problem::error(place.clone(), message);
@@ -231,7 +231,7 @@ impl Graph {
         found
     }
 
-    /// Random nodes that are equal in all they say: most often one is a copy whose seed was forgotten.
+    /// Warnings about random nodes that are equal in everything; most often one is a copy with the same seed.
     fn twins(&self) -> Vec<Problem> {
         let mut seen: HashMap<(&str, String), NodeId> = HashMap::new();
         let mut found = Vec::new();

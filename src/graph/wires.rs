@@ -1,4 +1,4 @@
-//! Wires: which output an input reads, and the texts that say so in the file.
+//! Wires: the output that an input reads, and its text in the file.
 
 use serde_json::Value as Json;
 
@@ -10,22 +10,22 @@ use crate::value::WireType;
 /// A wire between two nodes, on the edge of the graph.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Wire {
-    /// The output it comes from.
+    /// The output at its beginning.
     pub(super) from: Name,
-    /// The input it goes to.
+    /// The input at its end.
     pub(super) to: Name,
 }
 
-/// An output of a node: where a wire, or an output of the graph, comes from.
+/// An output of a node, which a wire or an output of the graph reads.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Source {
     /// The node.
     pub node: NodeId,
-    /// Its output.
+    /// The output port.
     pub port: Name,
 }
 
-/// Why a text `node.port` leads to no output.
+/// Why a text `node.port` does not resolve.
 pub(super) enum Miss<'a> {
     Form,
     Node(&'a str),
@@ -39,10 +39,10 @@ impl Graph {
         self.dag.source(id, port)
     }
 
-    /// Where a value really comes from: a node that is left out passes on what its input reads. `None` where it has
-    /// nothing to pass on.
+    /// The source of a value behind bypassed nodes, which pass on the value of their input. `None` where a bypassed
+    /// node has nothing to pass on.
     pub fn passed(&self, mut source: Source) -> Option<Source> {
-        // A file may hold a cycle of such nodes.
+        // A file may have a cycle of bypassed nodes.
         for _ in 0..=self.sequence.len() {
             let node = self.get(source.node)?;
             if !node.bypass {
@@ -65,11 +65,11 @@ impl Graph {
         self.dag.wires_from(id).map(|(node, wire)| (node, &wire.to, &wire.from))
     }
 
-    /// The source of an output of the graph, where nothing but the nodes themselves can stop it.
+    /// The source of an output of the graph.
     ///
     /// # Errors
-    /// When there is no such output or it has a fault: its name, what it reads, a setting; when a setting of the
-    /// terrain has one, or an exposed parameter that sets a node above the output. Faults of the nodes are found by
+    /// Fails when there is no such output, or when there is a fault in its name, its source or a setting of it, in a
+    /// setting of the terrain, or in an exposed parameter that sets a node upstream. Faults of the nodes are found by
     /// [`GraphNode::parse`](super::GraphNode::parse) and [`problems`](Self::problems).
     pub fn output_source(&self, name: &str) -> Result<Source, Problem> {
         let hints = Hints::new();
@@ -85,21 +85,21 @@ impl Graph {
         let source = self.resolve(&output.from);
         let source =
             source.map_err(|miss| Problem::error(place, self.explain(&output.from, &miss, &hints)))?;
-        if !self.stopped.is_empty() {
+        if !self.blocking_problems.is_empty() {
             let upstream = self.upstream(source.node);
-            if let Some(fault) = self.stopped.iter().find(|p| p.stops(name, &upstream)) {
+            if let Some(fault) = self.blocking_problems.iter().find(|p| p.stops(name, &upstream)) {
                 return Err(fault.clone());
             }
         }
         Ok(source)
     }
 
-    /// `node.port`, as the file writes it.
+    /// The text of a source in the file, `node.port`.
     pub fn source_text(&self, source: &Source) -> String {
         format!("{}.{}", self.node(source.node).name, source.port)
     }
 
-    /// The type of what an output of a node gives.
+    /// The type of an output of a node.
     pub fn wire_type(&self, source: &Source) -> Option<WireType> {
         Some(self.get(source.node)?.kind()?.output(&source.port)?.wire)
     }
@@ -117,7 +117,7 @@ impl Graph {
         Ok(Source { node, port: port.name.clone() })
     }
 
-    /// Says why a text leads to no output, without a subject.
+    /// The reason why a text does not resolve, without a subject.
     pub(super) fn explain(&self, text: &str, miss: &Miss<'_>, hints: &Hints) -> String {
         match *miss {
             Miss::Form => format!("must be written as `node.port`, got `{text}`"),
@@ -142,7 +142,7 @@ impl Graph {
         self.nodes().map(|id| self.node(id).name.as_str())
     }
 
-    /// Turns those written inputs into wires that resolve and fit.
+    /// Turns the written inputs that resolve and fit into wires.
     pub(super) fn link(&mut self) {
         for i in 0..self.sequence.len() {
             let id = self.sequence[i];
@@ -164,13 +164,13 @@ impl Graph {
         }
     }
 
-    /// Puts a wire in, in place of the one that was there.
+    /// Adds a wire in place of the one that the input had.
     pub(super) fn put_wire(&mut self, source: Source, id: NodeId, port: &Name) {
         self.cut_wire(id, port);
         self.dag.connect(source, id, port.clone());
     }
 
-    /// Takes the wire into an input away, if there is one.
+    /// Removes the wire into an input, if there is one.
     pub(super) fn cut_wire(&mut self, id: NodeId, port: &str) -> bool {
         let cut = self.dag.cut(id, port);
         if cut {

@@ -1,4 +1,4 @@
-//! Writing: the canonical form, which diffs and merges line by line, and the atomic save.
+//! Writing: the canonical form, which can be compared and merged line by line, and the atomic save.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -11,13 +11,13 @@ use super::{FORMAT, Graph, KindRef, NodeId, settings};
 use crate::text::inline;
 use crate::whole::{self, Known};
 
-/// Longest line that an object or a list of lists is put on; lists of numbers are never broken.
+/// The longest line for an object or a list of lists; lists of numbers are never broken.
 const COLUMNS: usize = 110;
-/// These top-level objects have one line an entry, however short they are.
+/// The top-level objects that have one line for each entry, however short they are.
 const OPEN: [&str; 4] = ["expose", "nodes", "outputs", "notes"];
 
 impl Graph {
-    /// The file: the bytes it was read from when nothing has changed since, else the canonical form.
+    /// The content of the file: the bytes that were read where nothing has changed since, else the canonical form.
     pub fn to_bytes(&self) -> Vec<u8> {
         self.original.as_ref().map_or_else(|| self.canonical(), |bytes| bytes.to_vec())
     }
@@ -39,10 +39,10 @@ impl Graph {
         out.into_bytes()
     }
 
-    /// Writes the file whole or not at all, whatever is there.
+    /// Writes the file whole or not at all, and replaces an existing one.
     ///
     /// # Errors
-    /// Those of the file system; the old file is then as it was.
+    /// Returns the errors of the file system; an existing file is then unchanged.
     pub fn save(&self, path: &Path) -> io::Result<()> {
         whole::save(path, &self.to_bytes(), Known::Anything)
     }
@@ -107,7 +107,7 @@ impl Graph {
         Json::Object(map)
     }
 
-    /// The inputs in the order of the kind, then those it does not have, as they were written.
+    /// The inputs in the order of the kind, then those that the kind does not have, as they were written.
     fn written_inputs(&self, id: NodeId) -> Map<String, Json> {
         let node = self.node(id);
         let mut map = Map::new();
@@ -122,11 +122,11 @@ impl Graph {
     }
 }
 
-/// Writes a value that starts at a column; an open object is broken however short it is.
+/// Writes a value that starts at a column. An open object has one line for each entry, however short it is.
 fn put(out: &mut String, value: &Json, indent: usize, column: usize, open: bool) {
     let is_list_of_numbers = |v: &Json| v.as_array().is_some_and(|a| a.iter().all(Json::is_number));
     let is_empty = value.as_object().is_some_and(Map::is_empty);
-    // One column is kept for the comma.
+    // One column is for the comma.
     let room = if is_list_of_numbers(value) { usize::MAX } else { COLUMNS.saturating_sub(column + 1) };
     let start = out.len();
     if (!open || is_empty) && inline(out, value, start.saturating_add(room)) {
@@ -155,7 +155,7 @@ fn put(out: &mut String, value: &Json, indent: usize, column: usize, open: bool)
                 put(out, item, indent + 2, indent + 2, false);
             }
         }
-        // A number, text or word has one form, however long.
+        // Numbers, strings and literals are never broken.
         _ => {
             inline(out, value, usize::MAX);
             return;
