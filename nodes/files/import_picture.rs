@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::files::{
-    Channel, Footprint, Kernel, Limits, Mixture, Picture, PictureClaim, Placed, Placement, Placing, Pose,
+    Channel, Kernel, Limits, Mixture, Picture, PictureClaim, PixelSpan, Placed, Placement, Placing, Pose,
     Texture, apart,
 };
 use crate::node::SourceFile;
@@ -194,7 +194,7 @@ impl ImportPicture {
         &self,
         cx: &Context<'_>,
         picture: &Arc<Picture>,
-        footprint: Footprint,
+        footprint: PixelSpan,
     ) -> Result<Arc<Texture>> {
         let reduction = footprint.reduction(self.interpolation);
         let way = format!("texture {:?} {reduction:?}", self.mask);
@@ -210,7 +210,7 @@ impl ImportPicture {
         cx: &Context<'_>,
         texture: &Texture,
         pose: &Pose,
-        footprint: Footprint,
+        footprint: PixelSpan,
     ) -> Result<(Colors, Field)> {
         let colors =
             self.fill(&cx.stage(0.0, 0.7), Quantity::Color, texture, pose, footprint, |m| m.color())?;
@@ -224,7 +224,7 @@ impl ImportPicture {
         quantity: Quantity,
         texture: &Texture,
         pose: &Pose,
-        footprint: Footprint,
+        footprint: PixelSpan,
         of: impl Fn(&Mixture<'_>) -> T + Sync,
     ) -> Result<Raster<T>> {
         let (kernel, xs) = (self.interpolation, cx.grid.xs());

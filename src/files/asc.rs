@@ -5,7 +5,7 @@ use std::str::FromStr;
 use rayon::prelude::*;
 
 use super::bands::{self, Band, Split};
-use super::codec::{Codec, Form, Format};
+use super::codec::{Codec, Format, FormatSpec};
 use super::error::{Fault, WriteError};
 use super::height::{HeightFile, Origin, room};
 use super::input::{Claim, Input};
@@ -30,7 +30,7 @@ pub(super) static CODEC: Codec = Codec {
     place: "yes; EPSG code and unit from `.prj`",
 };
 
-pub(super) static TEXT: Form = Form {
+pub(super) static TEXT: FormatSpec = FormatSpec {
     name: "asc",
     by_extension: true,
     levels: None,

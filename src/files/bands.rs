@@ -18,8 +18,8 @@ const AT_ONCE: usize = 8;
 /// Rows of the tallest band that a format prescribes, whatever their length: the blocks of EXR.
 const TALLEST: usize = 16;
 
-/// Bytes that a writer takes beside what it writes: the bands that are in memory at once, and those at work with what they
-/// are pressed into.
+/// Bytes that a writer takes beside what it writes: the bands that are in memory at once, and those at work with what
+/// they are pressed into.
 pub(super) fn held_bytes(cols: usize, channels: usize, threads: usize) -> u64 {
     let band = (TALLEST * cols * channels * size_of::<f32>()).max(BAND_BYTES);
     ((AT_ONCE + 3) * threads * band) as u64

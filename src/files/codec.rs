@@ -17,22 +17,22 @@ use super::write::Written;
 use super::{asc, esri, exr, hgt, pfm, png, raw, terragen, tiff, xyz};
 use crate::params::did_you_mean;
 
-/// Most bytes that tell a kind of file.
+/// The most bytes at the beginning of a file that identify its kind.
 pub(super) const LONGEST_MAGIC: usize = 16;
 
-/// A kind of height file: how it is recognised and read. What is written of it are its [`Form`]s.
+/// A kind of height file: how it is recognised and read. Its written formats are [`FormatSpec`]s.
 pub struct Codec {
     /// The name in messages.
     pub name: &'static str,
     /// The extensions of its files, in lower case; files are written under the first.
     pub extensions: &'static [&'static str],
-    /// What its first bytes may be; empty where they tell nothing.
+    /// The possible first bytes of its files; empty where they do not identify the kind.
     pub(super) magic: &'static [&'static [u8]],
-    /// Extensions of the files beside it that are read as well, where they are there: `json` is the sidecar's.
+    /// Extensions of companions that are read, too, where they exist; `json` is that of the sidecar.
     pub companions: &'static [&'static str],
-    /// Whether the size shows in the header or the length alone; else the claim goes through the whole content.
+    /// Whether the header or the length alone give the size; otherwise the claim reads the whole content.
     pub claims_early: bool,
-    /// What the header says the content takes, before memory is taken for it.
+    /// The size that the header claims, which is checked before memory is allocated.
     pub(super) claim: fn(&Input<'_>) -> Result<Claim, Fault>,
     /// Reads the heights. The claim has been checked.
     pub(super) read: fn(&Input<'_>) -> Result<HeightFile, Fault>,
@@ -44,24 +44,24 @@ pub struct Codec {
     pub place: &'static str,
 }
 
-/// A way to write a file.
-pub struct Form {
+/// The description of a written [`Format`].
+pub struct FormatSpec {
     /// The name in graphs and on the command line.
     pub name: &'static str,
-    /// Whether a name with the codec's extension asks for this form; one form of a codec does.
+    /// Whether a name with the extension of the codec means this format; exactly one format of a codec does.
     pub by_extension: bool,
     /// The highest integer of a range, where it holds integers.
     pub levels: Option<f64>,
-    /// Components of the values it takes: fields have one, vectors two, colours three.
+    /// The allowed numbers of components: fields have one, vectors two, colours three.
     pub channels: &'static [usize],
-    /// Whether a JSON sidecar goes with a file of one channel, for what the file cannot say: place, unit, range.
+    /// Whether a file of one channel has a JSON sidecar, for the place, the unit and the range that it cannot hold.
     pub sidecar: bool,
-    /// Whether rows may run from south to north, which the file or its sidecar must be able to say.
+    /// Whether rows may run from south to north, which the file or its sidecar must be able to store.
     pub flips: bool,
-    /// Whether a void can be told from a height.
+    /// Whether the format can mark voids.
     pub voids: bool,
     pub(super) write: fn(&Sheet<'_>, &mut dyn Sink) -> Result<Written, WriteError>,
-    /// Nanoseconds a number to put it into the form of the file and to press it, on one core, for plans.
+    /// Nanoseconds for encoding and compressing a number on one core, for plans.
     pub nanoseconds: f64,
     /// For the table of docs/files.md: what it holds.
     pub holds: &'static str,
@@ -83,12 +83,12 @@ macro_rules! codecs {
             /// Every format, in the order messages list them.
             pub const ALL: [Self; FORMATS] = [$($(Self::$format,)*)*];
 
-            /// The format's line of the table.
-            pub fn form(self) -> &'static Form {
+            /// The description of the format.
+            pub fn form(self) -> &'static FormatSpec {
                 match self { $($(Self::$format => &$form,)*)* }
             }
 
-            /// The kind of file that it is.
+            /// The kind of file of the format.
             pub fn codec(self) -> &'static Codec {
                 match self { $($(Self::$format => &$codec,)*)* }
             }
@@ -153,29 +153,29 @@ impl Format {
         Self::ALL.into_iter().find(|f| f.form().by_extension && f.codec() == codec)
     }
 
-    /// Whether it holds integers, so that values need a range.
+    /// Whether the format holds integers, so that values need a range.
     pub fn is_integer(self) -> bool {
         self.levels().is_some()
     }
 
-    /// The highest integer of a range, where it holds integers.
+    /// The highest integer of a range, where the format holds integers.
     pub fn levels(self) -> Option<f64> {
         self.form().levels
     }
 
-    /// Whether a JSON sidecar goes with it, for what the file itself cannot say: place, unit, range. Pictures of
-    /// colours need none.
+    /// Whether files of the format have a JSON sidecar, for the place, the unit and the range that they cannot hold.
+    /// Pictures of colours need none.
     pub fn has_sidecar(self, channels: usize) -> bool {
         channels == 1 && self.form().sidecar
     }
 
-    /// Whether it takes values of some components: fields have one, vectors two, colours three.
+    /// Whether the format can hold values with this number of components: fields have one, vectors two, colours three.
     pub fn takes(self, channels: usize) -> bool {
         self.form().channels.contains(&channels)
     }
 
     /// The names of all formats that can do something, for advice in messages.
-    pub(super) fn which(can: impl Fn(&Form) -> bool) -> String {
+    pub(super) fn which(can: impl Fn(&FormatSpec) -> bool) -> String {
         let names: Vec<_> = Self::ALL.into_iter().filter(|f| can(f.form())).map(Self::name).collect();
         match &names[..] {
             [] => "no format can".into(),
@@ -226,7 +226,7 @@ impl Codec {
         CODECS.iter().copied().find(|c| c.extensions.contains(&extension.as_str()))
     }
 
-    /// The kind that the first bytes give away.
+    /// The kind that the first bytes identify.
     pub(super) fn of_content(head: &[u8]) -> Option<&'static Self> {
         CODECS.iter().copied().find(|c| c.magic.iter().any(|m| head.starts_with(m)))
     }
@@ -234,7 +234,7 @@ impl Codec {
     /// The kind of a file by its name, which its content must not contradict.
     ///
     /// # Errors
-    /// When no reader knows the name, or the content is of another kind.
+    /// Fails when no reader knows the name, or the content is of another kind.
     pub(super) fn of(name: &str, head: &[u8]) -> Result<&'static Self, Fault> {
         let codec = Self::of_name(name).ok_or_else(|| Fault::extension(name))?;
         let content = Self::of_content(head);

@@ -116,8 +116,8 @@ impl Header {
         })
     }
 
-    /// Whether integers have a sign, where the header does not say: as GDAL has it, they have none, unless their mark of
-    /// voids has one.
+    /// Whether integers have a sign, where the header does not say: as GDAL has it, they have none, unless their mark
+    /// of voids has one.
     fn sign_by_default(&self) -> Option<bool> {
         let below_zero = self.number(&NODATA).is_some_and(|v| v < 0.0);
         self.word(&["pixeltype"]).is_none().then_some(below_zero)

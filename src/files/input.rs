@@ -24,8 +24,8 @@ pub struct Companion<'a> {
     pub bytes: &'a [u8],
 }
 
-/// The names of the files that may lie beside a file and are looked at as well: `dir/a.json` beside `dir/a.r16`, and what
-/// GDAL writes beside files of all kinds, `dir/a.r16.aux.xml`.
+/// The names of the files that may lie beside a file and are looked at as well: `dir/a.json` beside `dir/a.r16`, and
+/// what GDAL writes beside files of all kinds, `dir/a.r16.aux.xml`.
 pub fn companions(file: &str) -> Vec<String> {
     let stem = match file.rsplit_once('.') {
         Some((stem, extension)) if !extension.contains(['/', '\\']) => stem,
@@ -164,8 +164,8 @@ fn on_the_globe(file: &mut HeightFile) {
     ));
 }
 
-/// The farthest longitude that a file may have, in degrees: one that counts from 0 to 360 and goes on over the antimeridian
-/// by half the globe, with a degree for the cell around the last sample.
+/// The farthest longitude that a file may have, in degrees: one that counts from 0 to 360 and goes on over the
+/// antimeridian by half the globe, with a degree for the cell around the last sample.
 const FARTHEST_EAST: f64 = 360.0 + 180.0 + 1.0;
 /// Numbers beyond it mark voids in many files; no height is near it.
 const FARTHEST: f32 = 1e30;

@@ -1,16 +1,16 @@
 //! Readers and writers of height and picture files.
 //!
-//! [`Codec`] is the table of formats, a row each: how files are recognised, read and written. [`Input`] is a file with
-//! what lies beside it; [`read_height`] turns its bytes into heights and the place where they lie; [`encode`] turns a value of a graph into a file, and [`encode_file`] a file that was read
-//! into another format. Nothing here opens a path: bytes come in, and [`whole`](crate::whole) writes the files.
-//! [`vectors`] reads lines from SVG and `GeoJSON`.
+//! [`Codec`] is a row of the table of formats: it says how files are recognised, read and written. [`Input`] is a file
+//! with its companions. [`read_height`] turns the bytes of a file into heights with their place, [`encode`] turns a
+//! value of a graph into a file, and [`encode_file`] converts a file to another format. Nothing here opens a path:
+//! readers take bytes, and [`whole`](crate::whole) writes the files. [`vectors`] reads lines from SVG and `GeoJSON`.
 //!
-//! Every reader checks what a header claims against [`Limits`] and against the length of the file before it takes
-//! memory. Heights are `f32`; a void is NaN until [`fill_voids`] closes it.
+//! Every reader checks the claims of a header against [`Limits`] and the length of the file before it allocates memory.
+//! Heights are `f32`; a void is NaN until [`fill_voids`] closes it.
 //!
 //! # Caching
-//! Reading and writing keep nothing. A node keeps what it decoded in its
-//! [`SourceFile`](crate::node::SourceFile), whose content is part of the node's key.
+//! Readers and writers cache nothing. Decoded values are stored with the [`SourceFile`](crate::node::SourceFile) of a
+//! node, whose content is part of the key of the node.
 
 mod apart;
 mod asc;
@@ -54,14 +54,14 @@ mod xyz;
 
 pub use apart::apart;
 pub use beside::{LONGEST_SIDECAR, Owner, last_name};
-pub use codec::{Codec, Form, Format};
+pub use codec::{Codec, Format, FormatSpec};
 pub use error::{Fault, ReadError, WriteError};
 pub use fit::Fit;
 pub use height::{Encoding, HeightFile, Limits, Origin, read_height, read_height_as};
 pub use info::{Info, info};
 pub use input::{Claim, Companion, Input, companions};
 pub use picture::{
-    Channel, Footprint, Kernel, Mixture, Picture, PictureClaim, PictureKind, Texture, TextureColumns,
+    Channel, Kernel, Mixture, Picture, PictureClaim, PictureKind, PixelSpan, Texture, TextureColumns,
 };
 pub use place::{Affine, Anchor, Placement, Units};
 pub use placing::{Placed, Placing, Pose};

@@ -28,8 +28,8 @@ impl Affine {
         Self { origin, col: [step[0], 0.0], row: [0.0, -step[1]] }
     }
 
-    /// Whether columns run to the east and rows to the south, but for what rounding leaves: a thousandth of a cell over a
-    /// million samples.
+    /// Whether columns run to the east and rows to the south, but for what rounding leaves: a thousandth of a cell over
+    /// a million samples.
     pub fn is_north_up(&self) -> bool {
         let along = |step: [f64; 2], k: usize| step[1 - k].abs() <= 1e-9 * step[k].abs();
         self.col[0] > 0.0 && self.row[1] < 0.0 && along(self.col, 0) && along(self.row, 1)

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::picture::Footprint;
+use super::picture::PixelSpan;
 use super::place::{Affine, Placement, Units};
 use crate::node::{Context, Error, Result};
 use crate::units::{Degrees, Metres};
@@ -181,8 +181,8 @@ impl Pose {
     }
 
     /// How many samples of the file a cell of some metres covers, across and down.
-    pub fn footprint(&self, cell: f64) -> Footprint {
-        Footprint([0, 1].map(|k| libm::hypot(self.x[k], self.y[k]) * cell))
+    pub fn footprint(&self, cell: f64) -> PixelSpan {
+        PixelSpan([0, 1].map(|k| libm::hypot(self.x[k], self.y[k]) * cell))
     }
 
     /// The position of a place.

@@ -1,6 +1,6 @@
 //! r16, r32 and raw: samples and nothing else. What they are, a person says, or a sidecar, or the extension.
 
-use super::codec::{Codec, Form};
+use super::codec::{Codec, FormatSpec};
 use super::error::{Fault, WriteError};
 use super::flat::{Flat, Number, height};
 use super::height::{HeightFile, Origin};
@@ -38,7 +38,7 @@ pub(super) static CODEC32: Codec = Codec {
     place: "from the sidecar",
 };
 
-pub(super) static INTEGERS: Form = Form {
+pub(super) static INTEGERS: FormatSpec = FormatSpec {
     name: "r16",
     by_extension: true,
     levels: Some(65535.0),
@@ -52,7 +52,7 @@ pub(super) static INTEGERS: Form = Form {
     purpose: "Unity, Unreal, World Machine …",
 };
 
-pub(super) static FLOATS: Form = Form {
+pub(super) static FLOATS: FormatSpec = FormatSpec {
     name: "r32",
     by_extension: true,
     levels: None,
@@ -127,8 +127,8 @@ const FAR_LESS: f64 = 8.0;
 /// How much larger the share of floats that may be heights must be to decide by itself.
 const FAR_MORE: f64 = 0.1;
 
-/// Whether numbers look far more like heights when they are read in one way than in another: more of the floats are of a
-/// size that heights have, or else neighbours in a row differ far less.
+/// Whether numbers look far more like heights when they are read in one way than in another: more of the floats are of
+/// a size that heights have, or else neighbours in a row differ far less.
 fn is_likelier(input: &Input<'_>, one: Flat, other: Flat) -> Result<bool, Fault> {
     if one.cols < 3 || one.number.bytes() == 1 {
         return Ok(false);

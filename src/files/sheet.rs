@@ -1,4 +1,4 @@
-//! Samples on the way into a file, and what all writers ask of them.
+//! The samples that a writer puts into a file, and the checks that all writers share.
 
 use std::io::{Seek, Write};
 
@@ -9,17 +9,17 @@ use super::codec::Format;
 use super::error::WriteError;
 use super::place::Placement;
 use super::quantize::Quantizer;
-use super::sidecar::{Side, Sidecar};
+use super::sidecar::{FirstRow, Sidecar};
 use super::target::target_warnings;
 use super::write::{Writing, Written};
 use crate::value::Quantity;
 
-/// Where a file is written to.
+/// The destination of a file.
 pub trait Sink: Write + Seek {}
 
 impl<T: Write + Seek> Sink for T {}
 
-/// Samples on the way into a file.
+/// The samples of a file that is being written.
 pub(super) struct Sheet<'a> {
     pub(super) cols: usize,
     pub(super) rows: usize,
@@ -33,7 +33,7 @@ pub(super) struct Sheet<'a> {
 }
 
 impl Sheet<'_> {
-    /// Writes the file, and tells what goes beside it.
+    /// Writes the file; returns the content of its sidecar, among others.
     pub(super) fn write(&self, out: &mut dyn Sink) -> Result<Written, WriteError> {
         let format = self.writing.format;
         let form = format.form();
@@ -50,7 +50,7 @@ impl Sheet<'_> {
         let mut written = (form.write)(self, out)?;
         if format.has_sidecar(self.channels) {
             let sidecar = self.sidecar(written.range);
-            // A struct of numbers and names turns into JSON without fail.
+            // A struct of numbers and names always turns into JSON.
             written.sidecar = Some(serde_json::to_value(sidecar).unwrap_or_default());
         }
         if let Some(target) = self.writing.target {
@@ -70,7 +70,7 @@ impl Sheet<'_> {
             quantity: self.quantity.name().into(),
             unit: self.quantity.unit().into(),
             range,
-            rows_from: if self.writing.flip { Side::South } else { Side::North },
+            rows_from: if self.writing.flip { FirstRow::South } else { FirstRow::North },
             file: self.writing.file.into(),
             ..self.sidecar.clone()
         }
@@ -88,7 +88,7 @@ impl Sheet<'_> {
         self.samples.par_chunks(1 << 16).any(|c| c.iter().any(|v| v.is_nan()))
     }
 
-    /// Refuses voids where the format cannot tell them from heights.
+    /// Refuses voids where the format cannot mark them.
     pub(super) fn no_voids(&self) -> Result<(), WriteError> {
         if !self.has_voids() {
             return Ok(());
@@ -100,7 +100,7 @@ impl Sheet<'_> {
         Err(unfit(self.writing.format, "voids", instead))
     }
 
-    /// The range that was asked for, or that of the quantity.
+    /// The range of the options, or that of the quantity.
     pub(super) fn own_range(&self) -> Option<[f64; 2]> {
         let range = self.writing.range;
         match self.quantity {
@@ -112,7 +112,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// Integers for the samples, all of them checked, and how many are clipped.
+    /// The conversion of the samples to integers, after a check of all samples, with the number that are clipped.
     pub(super) fn quantizer(&self) -> Result<(Quantizer, Written), WriteError> {
         let format = self.writing.format;
         let unit = if self.quantity.unit() == "1" { "value" } else { self.quantity.unit() };
@@ -122,7 +122,7 @@ impl Sheet<'_> {
         Ok((q, Written { clipped, range: Some(range), ..Written::default() }))
     }
 
-    /// Writes rows of numbers that take the same number of bytes each, and nothing else.
+    /// Writes rows of numbers with the same number of bytes each, without a header.
     pub(super) fn plain_rows(
         &self,
         out: &mut dyn Sink,
@@ -142,18 +142,18 @@ impl Sheet<'_> {
     }
 }
 
-/// Says that a format cannot hold something, and what would do instead.
+/// The error that a format cannot hold something, with an alternative.
 pub(super) fn unfit(format: Format, what: impl Into<String>, instead: impl Into<String>) -> WriteError {
     WriteError::Unfit { format: format.name(), what: what.into(), instead: instead.into() }
 }
 
-/// A row of integers, little-endian.
+/// Writes a row of integers, little-endian.
 pub(super) fn little_words(line: &mut [u8], row: &[f32], of: impl Fn(f32) -> u16) {
     let (words, _) = line.as_chunks_mut::<2>();
     words.iter_mut().zip(row).for_each(|(o, v)| *o = of(*v).to_le_bytes());
 }
 
-/// A row of floats, little-endian, with a number for voids.
+/// Writes a row of floats, little-endian, with a number for voids.
 pub(super) fn little_floats(line: &mut [u8], row: &[f32], void: f32) {
     let (words, _) = line.as_chunks_mut::<4>();
     words.iter_mut().zip(row).for_each(|(o, &v)| *o = (if v.is_nan() { void } else { v }).to_le_bytes());

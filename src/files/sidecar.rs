@@ -1,4 +1,4 @@
-//! The JSON file beside a file that cannot say what its numbers mean.
+//! Sidecars: JSON files beside files whose format cannot hold the place, the unit or the range of the samples.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use super::reading::{ByteOrder, RawSample, Reading};
 use super::voids::strike;
 use crate::value::Geo;
 
-/// What a sidecar says. Readers need `cols`, `rows` and `range` at most, and take each where it is there.
+/// The content of a sidecar. Readers need at most `cols`, `rows` and `range`, and use each field that is present.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Sidecar {
@@ -28,19 +28,19 @@ pub struct Sidecar {
     /// Rows.
     #[serde(alias = "height", skip_serializing_if = "Option::is_none")]
     pub rows: Option<u64>,
-    /// What the numbers mean.
+    /// The quantity of the samples.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub quantity: String,
-    /// Their unit.
+    /// The unit of the samples.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub unit: String,
     /// The values that the lowest and the highest integer stand for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
-    /// Value of a step of one, in files by other hands.
+    /// The value of a step of one, in sidecars of other programs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
-    /// Value of the number 0, in files by other hands.
+    /// The value of the number 0, in sidecars of other programs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub offset: Option<f64>,
     /// The type of the samples of a raw file.
@@ -52,8 +52,8 @@ pub struct Sidecar {
     /// The number in the file that marks a void.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nodata: Option<f64>,
-    /// Which row is the first.
-    pub rows_from: Side,
+    /// The side of the terrain on which the first row lies.
+    pub rows_from: FirstRow,
     /// Distance between samples, in metres, where it is the same both ways.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<f64>,
@@ -71,22 +71,22 @@ pub struct Sidecar {
     pub geo: Option<Geo>,
     /// The window of the whole terrain's grid that the file holds.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub grid: Option<Window>,
-    /// Which tile it is.
+    pub grid: Option<FileWindow>,
+    /// The tile of the build, where the file is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tile: Option<super::write::Tile>,
-    /// The hash of the graph that the file was built of.
+    /// The hash of the graph from which the file was built.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub graph_key: Option<String>,
-    /// What a person should know of what was found beside the file.
+    /// A note for the user about the companions of the file.
     #[serde(skip)]
     pub(super) note: Option<String>,
 }
 
-/// A side of a terrain.
+/// The side of the terrain on which the first row of a file lies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Side {
+pub enum FirstRow {
     /// Rows run from north to south.
     #[default]
     North,
@@ -94,10 +94,10 @@ pub enum Side {
     South,
 }
 
-/// A window of the grid of the whole terrain.
+/// The window of the grid of the whole terrain that a file holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Window {
+pub struct FileWindow {
     /// First column.
     pub col: i64,
     /// First row.
@@ -118,7 +118,7 @@ pub fn sidecar_name(file: &str) -> String {
 }
 
 impl Sidecar {
-    /// What is wrong with its numbers.
+    /// The fault of the numbers, as a sentence without a subject.
     pub(super) fn fault(&self) -> Option<String> {
         if let Some([lo, hi]) = self.range
             && !(lo.is_finite() && hi.is_finite() && lo < hi)
@@ -139,13 +139,13 @@ impl Sidecar {
         self.cells.or(self.cell.map(|c| [c, c]))
     }
 
-    /// Takes the steps of a file: one number where they are the same.
+    /// The sidecar with the steps of a file, as one number where both are the same.
     pub(super) fn with_steps(self, steps: Option<[f64; 2]>) -> Self {
         let square = steps.filter(|[x, y]| x == y).map(|[x, _]| x);
         Self { cell: square, cells: steps.filter(|_| square.is_none()), ..self }
     }
 
-    /// Factor and summand that make values of the integers from one end to the other, where the sidecar says so.
+    /// The factor and the summand that turn integers into values, where the sidecar has a range or a scale.
     fn scaling(&self, [lowest, highest]: [f64; 2]) -> Option<(f64, f64)> {
         match self.range {
             Some([lo, hi]) => {
@@ -159,7 +159,7 @@ impl Sidecar {
         }
     }
 
-    /// Metres of the unit of the values, with a note where they are not metres.
+    /// The length of the unit of the values in metres, with a note where this is not 1.
     fn unit(&self, notes: &mut Vec<String>) -> f64 {
         let unit = &self.unit;
         let mut unknown = Vec::new();
@@ -167,15 +167,15 @@ impl Sidecar {
         if let Some(metres) = metres.filter(|m| *m != 1.0) {
             notes.push(format!("the sidecar gives heights in \"{unit}\": they are {metres} m each"));
         }
-        // A sidecar of our own may give shares or degrees, which are no length and nothing to warn of.
+        // Sidecars of this program may have shares or degrees, which are no lengths and need no note.
         if self.orograph.is_none() {
             notes.extend(unknown);
         }
         metres.unwrap_or(1.0)
     }
 
-    /// Gives a file that was read what the sidecar and a person know: its voids, the values of its integers, its
-    /// place, its row order. `ends` are the lowest and the highest integer.
+    /// Completes a file that was read by what the sidecar and the user say: its voids, the values of its integers, its
+    /// place and its row order. `ends` are the lowest and the highest integer.
     pub(super) fn apply(&self, file: &mut HeightFile, ends: Option<[f64; 2]>, reading: &Reading) {
         file.origin.notes.extend(self.note.clone());
         let size = (Some(file.cols as u64), Some(file.rows as u64));
@@ -208,7 +208,7 @@ impl Sidecar {
             file.origin.plain = false;
             file.origin.range = self.range.map(|ends| ends.map(|v| v * unit));
         }
-        if self.rows_from == Side::South {
+        if self.rows_from == FirstRow::South {
             file.flip();
             file.origin.turned = true;
         }

@@ -1,4 +1,4 @@
-//! Values of a graph, and files that were read, as files.
+//! Writing of files: values of a graph, and files that were read.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -9,12 +9,12 @@ use super::error::WriteError;
 use super::height::HeightFile;
 use super::place::{Affine, Anchor, Placement, Units};
 use super::sheet::{Sheet, Sink, unfit};
-use super::sidecar::{Sidecar, Window};
+use super::sidecar::{FileWindow, Sidecar};
 use super::target::Target;
 use crate::value::{Geo, Grid, Quantity, Terrain, Value};
 use crate::work::Work;
 
-/// Which tile of a build a file is.
+/// The place of a file among the tiles of a build.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Tile {
@@ -28,10 +28,10 @@ pub struct Tile {
     pub rows: u32,
 }
 
-/// How a file is written.
+/// The options with which a file is written.
 #[derive(Clone, Copy)]
 pub struct Writing<'a> {
-    /// The name of the file, which its sidecar says.
+    /// The name of the file, for its sidecar.
     pub file: &'a str,
     /// The format of the file.
     pub format: Format,
@@ -45,7 +45,7 @@ pub struct Writing<'a> {
     pub flip: bool,
     /// The engine the file is meant for.
     pub target: Option<Target>,
-    /// Who watches.
+    /// Progress, cancellation and warnings.
     pub work: Work<'a>,
 }
 
@@ -64,29 +64,29 @@ pub struct WriteJob<'a> {
     pub terrain: &'a Terrain,
     /// The grid of the whole terrain at this size.
     pub whole: Grid,
-    /// Which tile it is, in a build of tiles.
+    /// The tile of the build, in a build of tiles.
     pub tile: Option<Tile>,
     /// The hash of the graph, for the sidecar.
     pub graph_key: Option<&'a str>,
-    /// How it is written.
+    /// The options of the file.
     pub writing: Writing<'a>,
 }
 
 impl<'a> WriteJob<'a> {
-    /// A job that is no tile.
+    /// A job for the whole terrain.
     pub fn new(value: &'a Value, writing: impl Into<Writing<'a>>, terrain: &'a Terrain, whole: Grid) -> Self {
         Self { value, terrain, whole, tile: None, graph_key: None, writing: writing.into() }
     }
 }
 
-/// What was written.
+/// What a writer returns about a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Written {
-    /// What goes into the JSON file of the same name, where the format needs one.
+    /// The content of the sidecar, where the format needs one.
     pub sidecar: Option<Json>,
-    /// What a person should know: the numbers to type into an engine, a size it will not take.
+    /// Notes for the user, such as the numbers to type into a game engine, or a size that it does not accept.
     pub notes: Vec<String>,
-    /// How many values were clipped.
+    /// The number of values that were clipped.
     pub clipped: u64,
     /// The values that the lowest and highest integer stand for.
     pub range: Option<[f64; 2]>,
@@ -95,7 +95,7 @@ pub struct Written {
 /// Writes a value of a graph.
 ///
 /// # Errors
-/// When the format cannot hold the value, its values lie outside the range, or the disk refuses.
+/// Fails when the format cannot hold the value, values are outside the range, or writing fails.
 pub fn encode(job: &WriteJob<'_>, out: &mut dyn Sink) -> Result<Written, WriteError> {
     let WriteJob { value, terrain, whole, .. } = *job;
     let Some((grid, quantity)) = value.grid().zip(value.quantity()) else {
@@ -112,7 +112,7 @@ pub fn encode(job: &WriteJob<'_>, out: &mut dyn Sink) -> Result<Written, WriteEr
         let [east, north] = corner(g);
         Geo { epsg: g.epsg, east, north }
     });
-    // Without a place on Earth the terrain's own metres will do, y turned to the north.
+    // Without a place on Earth the coordinates are those of the terrain in metres, with y to the north.
     let origin = geo.map_or([x, 0.0 - y], |g| [g.east, g.north]);
     let step = [grid.cell(), grid.cell()];
     let placement = Placement {
@@ -122,7 +122,7 @@ pub fn encode(job: &WriteJob<'_>, out: &mut dyn Sink) -> Result<Written, WriteEr
         units: Units::Length(1.0),
         cell: Some(step),
     };
-    let window = Window { col: grid.col, row: grid.row, whole_cols: whole.cols, whole_rows: whole.rows };
+    let window = FileWindow { col: grid.col, row: grid.row, whole_cols: whole.cols, whole_rows: whole.rows };
     let sidecar = Sidecar {
         position: Some([x, y]),
         sea_level: terrain.sea_level,
@@ -150,7 +150,7 @@ pub fn encode(job: &WriteJob<'_>, out: &mut dyn Sink) -> Result<Written, WriteEr
 /// where the format can hold them.
 ///
 /// # Errors
-/// As [`encode`].
+/// Returns the errors of [`encode`].
 pub fn encode_file(
     file: &HeightFile,
     writing: &Writing<'_>,
@@ -167,7 +167,7 @@ pub fn encode_file(
         channels: 1,
         samples: &file.data,
         quantity: if file.metres { Quantity::Elevation } else { Quantity::Number },
-        // A format of its own coordinates keeps the cell in them.
+        // Formats with coordinates store the cell in these.
         placement: Placement { affine: placement.affine.or(local_affine(file)), ..placement },
         nodata: file.origin.nodata,
         sidecar: Sidecar { geo, ..Sidecar::default() },
@@ -178,10 +178,10 @@ pub fn encode_file(
     Ok(written)
 }
 
-/// What a file of a format cannot say of a place, as a sentence. A sidecar holds places in metres of a system with a
-/// code; `kept` is whether this is one.
+/// The note about a placement that a format cannot store, as a sentence. Sidecars can store places in metres of a
+/// coordinate system with a code; `kept` says whether the placement is one.
 fn lost_place(placement: &Placement, format: Format, kept: bool) -> Option<String> {
-    // TIFF and Esri's text have places of their own for coordinates; what they lose of them their writers say.
+    // TIFF and Esri grids store coordinates themselves, and their writers have notes about what they cannot store.
     if kept || matches!(format, Format::Tiff | Format::Tiff16 | Format::Asc) {
         return None;
     }

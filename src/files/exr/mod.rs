@@ -4,7 +4,7 @@ mod choose;
 mod read;
 mod write;
 
-use super::codec::{Codec, Form};
+use super::codec::{Codec, FormatSpec};
 
 pub(super) static CODEC: Codec = Codec {
     name: "OpenEXR",
@@ -22,7 +22,7 @@ pub(super) static CODEC: Codec = Codec {
     place: "from the sidecar",
 };
 
-pub(super) static FLOATS: Form = Form {
+pub(super) static FLOATS: FormatSpec = FormatSpec {
     name: "exr",
     by_extension: true,
     levels: None,

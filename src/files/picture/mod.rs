@@ -13,4 +13,4 @@ mod texture;
 
 pub use claim::{PictureClaim, PictureKind};
 pub use decode::Picture;
-pub use texture::{Channel, Footprint, Kernel, Mixture, Texture, TextureColumns};
+pub use texture::{Channel, Kernel, Mixture, PixelSpan, Texture, TextureColumns};

@@ -67,9 +67,9 @@ impl Kernel {
 
 /// How many pixels a sample stands for, across and down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Footprint(pub [f64; 2]);
+pub struct PixelSpan(pub [f64; 2]);
 
-impl Footprint {
+impl PixelSpan {
     /// By how much the picture is made smaller first, across and down: whole numbers, so that what is left to the
     /// kernel is less than two pixels.
     pub fn reduction(&self, kernel: Kernel) -> [u32; 2] {
@@ -166,7 +166,7 @@ impl Texture {
     }
 
     /// The taps of a position in pixels from the middle of the first one.
-    fn taps(&self, axis: usize, position: f64, footprint: Footprint, kernel: Kernel) -> Taps {
+    fn taps(&self, axis: usize, position: f64, footprint: PixelSpan, kernel: Kernel) -> Taps {
         let last = (self.size[axis].max(1) - 1) as f64;
         let k = f64::from(self.reduction[axis]);
         let position = if position.is_finite() { position.clamp(0.0, last) } else { 0.0 };
@@ -198,7 +198,7 @@ impl Texture {
     pub fn columns(
         &self,
         positions: impl Iterator<Item = f64>,
-        footprint: Footprint,
+        footprint: PixelSpan,
         kernel: Kernel,
     ) -> TextureColumns {
         let taps: Vec<Taps> = positions.map(|p| self.taps(0, p, footprint, kernel)).collect();
@@ -213,7 +213,7 @@ impl Texture {
         &self,
         columns: &TextureColumns,
         v: f64,
-        footprint: Footprint,
+        footprint: PixelSpan,
         kernel: Kernel,
         out: &mut [T],
         of: impl Fn(&Mixture<'_>) -> T,
@@ -236,7 +236,7 @@ impl Texture {
     pub fn at<T>(
         &self,
         [u, v]: [f64; 2],
-        footprint: Footprint,
+        footprint: PixelSpan,
         kernel: Kernel,
         of: impl Fn(&Mixture<'_>) -> T,
     ) -> T {

@@ -6,7 +6,7 @@ mod colors;
 mod read;
 mod write;
 
-use super::codec::{Codec, Form};
+use super::codec::{Codec, FormatSpec};
 
 pub(super) static CODEC: Codec = Codec {
     name: "PNG",
@@ -22,7 +22,7 @@ pub(super) static CODEC: Codec = Codec {
     place: "from the sidecar, or `.pgw` and `.prj`",
 };
 
-pub(super) static EIGHT: Form = Form {
+pub(super) static EIGHT: FormatSpec = FormatSpec {
     name: "png8",
     by_extension: false,
     levels: Some(255.0),
@@ -36,7 +36,7 @@ pub(super) static EIGHT: Form = Form {
     purpose: "pictures",
 };
 
-pub(super) static SIXTEEN: Form = Form {
+pub(super) static SIXTEEN: FormatSpec = FormatSpec {
     name: "png16",
     by_extension: true,
     levels: Some(65535.0),

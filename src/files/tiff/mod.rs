@@ -17,7 +17,7 @@ mod write;
 
 pub(super) use read::{mask_bytes, strike_mask};
 
-use super::codec::{Codec, Form};
+use super::codec::{Codec, FormatSpec};
 
 pub(super) static CODEC: Codec = Codec {
     name: "TIFF",
@@ -36,7 +36,7 @@ pub(super) static CODEC: Codec = Codec {
     place: "pixel scale with tie point, or transformation; point or area; EPSG code",
 };
 
-pub(super) static FLOATS: Form = Form {
+pub(super) static FLOATS: FormatSpec = FormatSpec {
     name: "tiff",
     by_extension: true,
     levels: None,
@@ -50,7 +50,7 @@ pub(super) static FLOATS: Form = Form {
     purpose: "heights, to the bit, with their place",
 };
 
-pub(super) static INTEGERS: Form = Form {
+pub(super) static INTEGERS: FormatSpec = FormatSpec {
     name: "tiff16",
     by_extension: false,
     levels: Some(65535.0),

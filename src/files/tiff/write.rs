@@ -21,7 +21,7 @@ pub(super) fn floats(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, W
         _ => sheet.has_voids().then_some(f64::NAN),
     };
     let fill = nodata.map_or(f32::NAN, |v| v as f32);
-    let layout = Layout::of(sheet, Kind::F32, nodata, None);
+    let layout = Layout::of(sheet, SampleType::F32, nodata, None);
     write(out, &layout, &sheet.writing.work, |j, line| little_floats(line, sheet.row(j), fill))?;
     Ok(Written::default())
 }
@@ -38,7 +38,7 @@ pub(super) fn integers(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written,
     if code.is_none() {
         sheet.no_voids()?;
     }
-    let layout = Layout::of(sheet, Kind::U16, code, scaling);
+    let layout = Layout::of(sheet, SampleType::U16, code, scaling);
     let void = code.unwrap_or(0.0) as u16;
     let of = |v: f32| if v.is_nan() { void } else { q.level(v) as u16 };
     write(out, &layout, &sheet.writing.work, |j, line| little_words(line, sheet.row(j), of))?;
@@ -54,7 +54,7 @@ fn whole_metres(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteE
         written.notes.push("tiff16 without a range holds whole metres; give a range for finer steps".into());
     }
     let voids = sheet.nodata.is_some() || sheet.has_voids();
-    let layout = Layout::of(sheet, Kind::I16, voids.then_some(-32768.0), None);
+    let layout = Layout::of(sheet, SampleType::I16, voids.then_some(-32768.0), None);
     let of = |v: f32| if v.is_nan() { i16::MIN as u16 } else { (q.level(v) - 32767) as i16 as u16 };
     write(out, &layout, &sheet.writing.work, |j, line| little_words(line, sheet.row(j), of))?;
     Ok(written)
@@ -62,7 +62,7 @@ fn whole_metres(sheet: &Sheet<'_>, out: &mut dyn Sink) -> Result<Written, WriteE
 
 /// The type of the samples that are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum SampleType {
     /// 16-bit integers from 0.
     U16,
     /// 16-bit integers with a sign.
@@ -71,7 +71,7 @@ enum Kind {
     F32,
 }
 
-impl Kind {
+impl SampleType {
     /// Bytes of a sample.
     fn bytes(self) -> usize {
         if self == Self::F32 { 4 } else { 2 }
@@ -85,7 +85,7 @@ struct Layout<'a> {
     rows: usize,
     /// 1 for heights, 2 for vectors, 3 for colours.
     bands: usize,
-    kind: Kind,
+    kind: SampleType,
     placement: &'a Placement,
     /// The number that marks a void.
     nodata: Option<f64>,
@@ -94,7 +94,7 @@ struct Layout<'a> {
 }
 
 impl<'a> Layout<'a> {
-    fn of(sheet: &'a Sheet<'_>, kind: Kind, nodata: Option<f64>, scaling: Option<(f64, f64)>) -> Self {
+    fn of(sheet: &'a Sheet<'_>, kind: SampleType, nodata: Option<f64>, scaling: Option<(f64, f64)>) -> Self {
         let Sheet { cols, rows, channels: bands, ref placement, .. } = *sheet;
         Self { cols, rows, bands, kind, placement, nodata, scaling }
     }
@@ -126,8 +126,8 @@ fn write(
         for (j, row) in raw.chunks_exact_mut(line).enumerate() {
             fill(band.first_row + j, row);
             match kind {
-                Kind::F32 => predict_floats(row, bands, &mut planes),
-                Kind::U16 | Kind::I16 => predict_integers(row, bands),
+                SampleType::F32 => predict_floats(row, bands, &mut planes),
+                SampleType::U16 | SampleType::I16 => predict_integers(row, bands),
             }
         }
         bands::zlib(&raw, LEVEL)
@@ -198,9 +198,9 @@ impl Writer {
     fn describe(&mut self, layout: &Layout<'_>, rows_per_strip: usize) {
         let Layout { cols, rows, bands, kind, placement, nodata, scaling } = *layout;
         let format = match kind {
-            Kind::U16 => 1,
-            Kind::I16 => 2,
-            Kind::F32 => 3,
+            SampleType::U16 => 1,
+            SampleType::I16 => 2,
+            SampleType::F32 => 3,
         };
         self.long(tag::WIDTH, cols);
         self.long(tag::LENGTH, rows);
@@ -210,7 +210,7 @@ impl Writer {
         self.shorts(tag::SAMPLES, &[bands as u16]);
         self.long(tag::ROWS_PER_STRIP, rows_per_strip);
         self.shorts(tag::PLANAR, &[1]);
-        self.shorts(tag::PREDICTOR, &[if kind == Kind::F32 { 3 } else { 2 }]);
+        self.shorts(tag::PREDICTOR, &[if kind == SampleType::F32 { 3 } else { 2 }]);
         if bands == 2 {
             self.shorts(tag::EXTRA_SAMPLES, &[0]);
         }

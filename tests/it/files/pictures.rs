@@ -4,7 +4,7 @@ use std::io::{Cursor, Write as _};
 use std::sync::Arc;
 
 use orograph::files::{
-    Channel, Footprint, Kernel, Limits, Picture, PictureClaim, PictureKind, Texture, TextureColumns,
+    Channel, Kernel, Limits, Picture, PictureClaim, PictureKind, PixelSpan, Texture, TextureColumns,
 };
 use orograph::kit::color::{linear_from_srgb, srgb_from_linear};
 use orograph::node::{Cancel, Context, Error, Node, SourceFile};
@@ -33,7 +33,7 @@ fn pixels(picture: &Picture, mask: Channel) -> Vec<([f32; 3], f32)> {
     let texture = Texture::new(&Arc::new(picture.clone()), mask, [1; 2], &Work::default());
     let at = |k: usize| {
         let place = [(k % picture.cols) as f64, (k / picture.cols) as f64];
-        texture.at(place, Footprint([1.0; 2]), Kernel::Cubic, |m| {
+        texture.at(place, PixelSpan([1.0; 2]), Kernel::Cubic, |m| {
             (m.color().map(|c| c * 255.0), m.mask() * 255.0)
         })
     };
@@ -391,7 +391,7 @@ fn rows_and_places_agree() {
         (Kernel::Linear, [0.2, 5.0]),
         (Kernel::Nearest, [4.0, 4.0]),
     ] {
-        let footprint = Footprint(footprint);
+        let footprint = PixelSpan(footprint);
         let texture =
             Texture::new(&picture, Channel::Luminance, footprint.reduction(kernel), &Work::default());
         let places: Vec<f64> = (0..60).map(|i| f64::from(i) * 0.71 - 3.0).collect();

@@ -114,7 +114,7 @@ pub(super) enum Member<T> {
 }
 
 /// What reading a file has at hand.
-pub(super) struct Desk<'a> {
+pub(super) struct ItemContext<'a> {
     pub(super) watch: Watch<'a>,
     /// Names of the properties that somebody asks for.
     pub(super) asked: BTreeSet<String>,
@@ -130,7 +130,7 @@ pub(super) struct State {
     pub(super) stopped: Option<CurveError>,
 }
 
-impl Desk<'_> {
+impl ItemContext<'_> {
     /// One more value of a list.
     pub(super) fn count<E: serde::de::Error>(&self) -> Result<(), E> {
         let mut state = self.state.borrow_mut();
@@ -152,13 +152,13 @@ impl Desk<'_> {
 pub(super) trait Take<'de>: Sized {
     type Made;
 
-    fn desk(&self) -> &Desk<'_>;
+    fn cx(&self) -> &ItemContext<'_>;
 
     /// Of what is neither a list nor an object.
     fn other(self, item: Item) -> Self::Made;
 
     fn list<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Made, A::Error> {
-        let item = AnItem(self.desk()).list(list)?;
+        let item = AnItem(self.cx()).list(list)?;
         Ok(self.other(item))
     }
 
@@ -213,12 +213,12 @@ impl<'de, T: Take<'de>> Visitor<'de> for Any<T> {
 
 /// The value as it is.
 #[derive(Clone, Copy)]
-pub(super) struct AnItem<'a>(pub(super) &'a Desk<'a>);
+pub(super) struct AnItem<'a>(pub(super) &'a ItemContext<'a>);
 
 impl<'de> Take<'de> for AnItem<'_> {
     type Made = Item;
 
-    fn desk(&self) -> &Desk<'_> {
+    fn cx(&self) -> &ItemContext<'_> {
         self.0
     }
 
@@ -250,7 +250,7 @@ impl<'de> Take<'de> for AnItem<'_> {
 
 /// A member of an object whose value is still to be read.
 pub(super) struct Next<'a, A> {
-    pub(super) desk: &'a Desk<'a>,
+    pub(super) cx: &'a ItemContext<'a>,
     pub(super) key: &'a str,
     pub(super) object: &'a mut A,
 }
@@ -261,7 +261,7 @@ impl<A> Next<'_, A> {
     where
         A: MapAccess<'de>,
     {
-        self.object.next_value_seed(Any(AnItem(self.desk)))
+        self.object.next_value_seed(Any(AnItem(self.cx)))
     }
 
     /// The value as an object.
@@ -269,7 +269,7 @@ impl<A> Next<'_, A> {
     where
         A: MapAccess<'de>,
     {
-        self.object.next_value_seed(An::of(self.desk))
+        self.object.next_value_seed(An::of(self.cx))
     }
 
     /// Leaves the value out.
@@ -287,18 +287,18 @@ pub(super) trait Object: Default {
 }
 
 /// An object, or what stands in its place.
-pub(super) struct An<'a, T>(pub(super) &'a Desk<'a>, pub(super) PhantomData<T>);
+pub(super) struct An<'a, T>(pub(super) &'a ItemContext<'a>, pub(super) PhantomData<T>);
 
 impl<'a, T> An<'a, T> {
-    pub(super) fn of(desk: &'a Desk<'a>) -> Any<Self> {
-        Any(Self(desk, PhantomData))
+    pub(super) fn of(cx: &'a ItemContext<'a>) -> Any<Self> {
+        Any(Self(cx, PhantomData))
     }
 }
 
 impl<'de, T: Object> Take<'de> for An<'_, T> {
     type Made = Member<T>;
 
-    fn desk(&self) -> &Desk<'_> {
+    fn cx(&self) -> &ItemContext<'_> {
         self.0
     }
 
@@ -309,7 +309,7 @@ impl<'de, T: Object> Take<'de> for An<'_, T> {
     fn object<A: MapAccess<'de>>(self, mut object: A) -> Result<Member<T>, A::Error> {
         let mut new = T::default();
         while let Some(key) = object.next_key::<Cow<'_, str>>()? {
-            new.member(Next { desk: self.0, key: &key, object: &mut object })?;
+            new.member(Next { cx: self.0, key: &key, object: &mut object })?;
         }
         Ok(Member::Here(new))
     }
@@ -320,7 +320,7 @@ impl Object for Geometry {
         match next.key {
             "type" => self.kind = Some(next.item()?),
             "coordinates" => self.coordinates = Some(next.item()?),
-            "geometries" => self.geometries = next.object.next_value_seed(Any(Geometries(next.desk)))?,
+            "geometries" => self.geometries = next.object.next_value_seed(Any(Geometries(next.cx)))?,
             _ => self.lies.member(next)?,
         }
         Ok(())
@@ -349,7 +349,7 @@ pub(super) struct Properties(pub(super) BTreeMap<String, Item>);
 
 impl Object for Properties {
     fn member<'de, A: MapAccess<'de>>(&mut self, next: Next<'_, A>) -> Result<(), A::Error> {
-        if !next.desk.asked.contains(next.key) {
+        if !next.cx.asked.contains(next.key) {
             return next.skip();
         }
         let name = next.key.to_owned();
@@ -359,12 +359,12 @@ impl Object for Properties {
 }
 
 /// The list of a collection; `None` where it is no list.
-struct Geometries<'a>(&'a Desk<'a>);
+struct Geometries<'a>(&'a ItemContext<'a>);
 
 impl<'de> Take<'de> for Geometries<'_> {
     type Made = Option<Vec<Member<Geometry>>>;
 
-    fn desk(&self) -> &Desk<'_> {
+    fn cx(&self) -> &ItemContext<'_> {
         self.0
     }
 

@@ -7,7 +7,9 @@ mod reader;
 use serde::de::{DeserializeSeed as _, IgnoredAny, MapAccess, SeqAccess};
 
 use self::crs::{Grounds, Said};
-use self::item::{An, AnItem, Any, Desk, Feature, Geometry, Item, Member, Next, Object as _, State, Take};
+use self::item::{
+    An, AnItem, Any, Feature, Geometry, Item, ItemContext, Member, Next, Object as _, State, Take,
+};
 use self::reader::{Common, Reader};
 use super::{GoOn, Imported, Mapping, Watch, check_size, decode, short};
 use crate::value::curves::CurveError;
@@ -56,13 +58,13 @@ pub fn read(
     // A value of a list takes some four bytes at least.
     let watch = Watch::new(go_on, text.len() / 4);
     watch.at(0)?;
-    let desk = Desk { watch, asked, state: std::cell::RefCell::new(State::default()) };
-    let (grounds, warning) = grounds(&text, &desk, place)?;
+    let cx = ItemContext { watch, asked, state: std::cell::RefCell::new(State::default()) };
+    let (grounds, warning) = grounds(&text, &cx, place)?;
     let mut reader = Reader::new(place, grounds, mapping);
     let mut from = serde_json::Deserializer::from_str(&text);
-    let whole = Any(Whole { desk: &desk, reader: &mut reader }).deserialize(&mut from);
+    let whole = Any(Whole { cx: &cx, reader: &mut reader }).deserialize(&mut from);
     let whole = whole.and_then(|whole| from.end().map(|()| whole));
-    if let Some(stopped) = desk.state.take().stopped {
+    if let Some(stopped) = cx.state.take().stopped {
         return Err(stopped);
     }
     let whole = whole.map_err(|e| CurveError::file("GeoJSON", not_json(&text, &e)))?;
@@ -71,12 +73,12 @@ pub fn read(
 
 /// Where the whole file lies, and what a person should know of that. It is looked for before the lines are read, since
 /// it may stand after them.
-fn grounds(text: &str, desk: &Desk<'_>, place: &Place) -> Result<(Grounds, Option<String>), CurveError> {
+fn grounds(text: &str, cx: &ItemContext<'_>, place: &Place) -> Result<(Grounds, Option<String>), CurveError> {
     if !Said::MEMBERS.iter().any(|member| text.contains(&format!("\"{member}\""))) {
         return Ok((Grounds::UNSAID, None));
     }
-    let said = An::<Said>::of(desk).deserialize(&mut serde_json::Deserializer::from_str(text));
-    if let Some(stopped) = desk.state.take().stopped {
+    let said = An::<Said>::of(cx).deserialize(&mut serde_json::Deserializer::from_str(text));
+    if let Some(stopped) = cx.state.take().stopped {
         return Err(stopped);
     }
     // What is no JSON is told of when the lines are read.
@@ -114,15 +116,15 @@ struct Outer {
 
 /// Reads the outermost object.
 struct Whole<'a, 'r, 'p> {
-    desk: &'a Desk<'a>,
+    cx: &'a ItemContext<'a>,
     reader: &'r mut Reader<'p>,
 }
 
 impl<'de> Take<'de> for Whole<'_, '_, '_> {
     type Made = Outer;
 
-    fn desk(&self) -> &Desk<'_> {
-        self.desk
+    fn cx(&self) -> &ItemContext<'_> {
+        self.cx
     }
 
     fn other(self, _: Item) -> Outer {
@@ -131,19 +133,19 @@ impl<'de> Take<'de> for Whole<'_, '_, '_> {
 
     fn object<A: MapAccess<'de>>(self, mut object: A) -> Result<Outer, A::Error> {
         let mut outer = Outer::default();
-        let desk = self.desk;
+        let cx = self.cx;
         while let Some(key) = object.next_key::<std::borrow::Cow<'_, str>>()? {
             match &*key {
                 "features" => {
-                    let all = Any(Features { desk, reader: &mut *self.reader });
+                    let all = Any(Features { cx, reader: &mut *self.reader });
                     outer.has_features = object.next_value_seed(all)?;
                 }
-                "type" => outer.kind = Some(object.next_value_seed(Any(AnItem(desk)))?),
+                "type" => outer.kind = Some(object.next_value_seed(Any(AnItem(cx)))?),
                 "coordinates" | "geometries" => {
-                    outer.geometry.member(Next { desk, key: &key, object: &mut object })?;
+                    outer.geometry.member(Next { cx, key: &key, object: &mut object })?;
                 }
                 "geometry" | "place" | "properties" | "id" => {
-                    outer.feature.member(Next { desk, key: &key, object: &mut object })?;
+                    outer.feature.member(Next { cx, key: &key, object: &mut object })?;
                 }
                 _ => {
                     outer.is_esri |= matches!(&*key, "geometryType" | "spatialReference");
@@ -157,15 +159,15 @@ impl<'de> Take<'de> for Whole<'_, '_, '_> {
 
 /// Reads features one after the other; whether they stand in a list.
 struct Features<'a, 'r, 'p> {
-    desk: &'a Desk<'a>,
+    cx: &'a ItemContext<'a>,
     reader: &'r mut Reader<'p>,
 }
 
 impl<'de> Take<'de> for Features<'_, '_, '_> {
     type Made = bool;
 
-    fn desk(&self) -> &Desk<'_> {
-        self.desk
+    fn cx(&self) -> &ItemContext<'_> {
+        self.cx
     }
 
     fn other(self, _: Item) -> bool {
@@ -174,10 +176,10 @@ impl<'de> Take<'de> for Features<'_, '_, '_> {
 
     fn list<A: SeqAccess<'de>>(self, mut list: A) -> Result<bool, A::Error> {
         let mut number = 0_usize;
-        while let Some(feature) = list.next_element_seed(An::<Feature>::of(self.desk))? {
-            self.desk.count()?;
+        while let Some(feature) = list.next_element_seed(An::<Feature>::of(self.cx))? {
+            self.cx.count()?;
             let taken = self.reader.feature(&feature, &|| format!("feature {number}"));
-            taken.map_err(|error| self.desk.stop(error))?;
+            taken.map_err(|error| self.cx.stop(error))?;
             number += 1;
         }
         Ok(true)

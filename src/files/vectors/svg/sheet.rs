@@ -75,7 +75,7 @@ type Sources = [u32; READ.len()];
 
 /// The rules of the style sheets of a picture.
 #[derive(Debug)]
-pub(super) struct Sheet<'s> {
+pub(super) struct StyleSheet<'s> {
     /// In the order of the file; the first says nothing.
     blocks: Vec<Block<'s>>,
     simple: BTreeMap<Simple<'s>, Sources>,
@@ -86,14 +86,14 @@ pub(super) struct Sheet<'s> {
     kept: usize,
 }
 
-impl Default for Sheet<'_> {
+impl Default for StyleSheet<'_> {
     fn default() -> Self {
         let (simple, compound, parts) = (BTreeMap::new(), Vec::new(), BTreeSet::new());
         Self { blocks: vec![Block::default()], simple, compound, parts, kept: 0 }
     }
 }
 
-impl<'s> Sheet<'s> {
+impl<'s> StyleSheet<'s> {
     /// Takes up the rules of a sheet that stands in a line.
     pub(super) fn read(
         &mut self,
@@ -283,8 +283,8 @@ mod tests {
 
     use super::*;
 
-    fn read(css: &str) -> (Sheet<'_>, Tally) {
-        let (mut sheet, mut tally) = (Sheet::default(), Tally::default());
+    fn read(css: &str) -> (StyleSheet<'_>, Tally) {
+        let (mut sheet, mut tally) = (StyleSheet::default(), Tally::default());
         sheet.read(css, &|| 1, &mut tally, &|| Ok(())).expect("nobody stops it");
         (sheet, tally)
     }
@@ -326,7 +326,7 @@ mod tests {
                 asked.set(asked.get() + 1);
                 if asked.get() < 500 { Ok(()) } else { Err(CurveError::Cancelled) }
             };
-            let stopped = Sheet::default().read(&css, &|| 1, &mut Tally::default(), &go_on);
+            let stopped = StyleSheet::default().read(&css, &|| 1, &mut Tally::default(), &go_on);
             assert!(matches!(stopped, Err(CurveError::Cancelled)), "{} bytes", css.len());
         }
     }

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use super::css;
-use super::sheet::{DISPLAY, FRAME, GoOn, ORIGIN, READ, Sheet, TRANSFORM, VISIBILITY, Value, Values};
+use super::sheet::{DISPLAY, FRAME, GoOn, ORIGIN, READ, StyleSheet, TRANSFORM, VISIBILITY, Value, Values};
 use super::tree::Tree;
 use crate::files::vectors::tally::{Notice, Tally};
 use crate::value::curves::CurveError;
@@ -68,7 +68,7 @@ impl Looks {
         go_on: &GoOn<'_>,
     ) -> Result<Self, CurveError> {
         let texts = without_comments(tree, texts, tally, go_on)?;
-        let mut sheet = Sheet::default();
+        let mut sheet = StyleSheet::default();
         for (at, css) in &texts {
             sheet.read(css, &|| tree.line(*at), tally, go_on)?;
         }
