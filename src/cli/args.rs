@@ -32,7 +32,7 @@ pub(super) struct GraphArgs {
 }
 
 impl GraphArgs {
-    /// The options given that only a graph takes.
+    /// The given options that only graphs have.
     pub(super) fn given(&self) -> impl Iterator<Item = &'static str> {
         heed::given([
             ("--set", !self.set.is_empty()),
@@ -43,7 +43,7 @@ impl GraphArgs {
         ])
     }
 
-    /// Refuses options that a file of another kind would not heed.
+    /// Refuses options that a file of another kind would ignore.
     pub(super) fn refuse<'a>(
         &self,
         what: &str,
@@ -52,7 +52,7 @@ impl GraphArgs {
         heed::refuse(given, format_args!("{what}, which {} is not", self.graph.display()))
     }
 
-    /// Refuses to set a setting of the terrain in two ways, of which one would be ignored.
+    /// Refuses two options for one setting of the terrain.
     pub(super) fn refuse_doubles(&self) -> Result<(), Stop> {
         let short = [("seed", self.seed.is_some()), ("base", self.base.is_some())];
         let is_set = |name: &str| self.set.iter().any(|pair| pair.split('=').next() == Some(name));
@@ -104,7 +104,7 @@ impl EngineArgs {
         heed::refuse(given, "a cache folder; name one with --cache DIR")
     }
 
-    /// How many worker threads there will be.
+    /// The number of worker threads.
     pub(super) fn threads(&self) -> usize {
         let all = || std::thread::available_parallelism().map_or(1, usize::from);
         self.threads.map_or_else(all, usize::from)
@@ -124,7 +124,7 @@ impl EngineArgs {
 }
 
 impl GridArgs {
-    /// The grid of the whole terrain and the asked-for window of it.
+    /// The grid of the whole terrain, and the window of it that is asked for.
     pub(super) fn grids(&self, terrain: &Terrain) -> Result<(Grid, Grid), Stop> {
         let whole = terrain
             .grid(self.size.unwrap_or(terrain.base))
@@ -157,7 +157,7 @@ fn region(text: &str) -> Option<Bounds> {
     }
 }
 
-/// Bytes as a person writes them: 1048576, 512M, 8G, 1.5T.
+/// Parses a number of bytes such as 1048576, 512M, 8G or 1.5T.
 pub(super) fn parse_bytes(text: &str) -> Result<u64, String> {
     let text = text.trim();
     let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
@@ -179,20 +179,20 @@ pub(super) fn parse_bytes(text: &str) -> Result<u64, String> {
     }
 }
 
-/// Seconds: a number that is not below 0.
+/// Parses seconds, a number from 0 on.
 pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     let value = text.trim().parse().ok().filter(|v: &f64| v.is_finite() && *v >= 0.0);
     value.ok_or_else(|| format!("must be a number of seconds, 0 or more, got `{text}`"))
 }
 
-/// A length or a factor: a number above 0.
+/// Parses a length or a factor, a number above 0.
 pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
     const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
     let value = text.trim().parse().ok().filter(|v| RANGE.contains(v));
     value.ok_or_else(|| format!("must be a number above 0, at most {:e}, got `{text}`", RANGE.end()))
 }
 
-/// Any number but those that are none.
+/// Parses a finite number.
 pub(super) fn parse_finite(text: &str) -> Result<f64, String> {
     let value = text.trim().parse().ok().filter(|v: &f64| v.is_finite());
     value.ok_or_else(|| format!("must be a number, got `{text}`"))

@@ -1,7 +1,8 @@
-//! Work that nobody waits for any longer once it was asked to stop.
+//! Work that is abandoned when it is cancelled and does not stop soon.
 //!
-//! Most work looks at the signal often enough, and some cannot: one call of a library, one pass over all samples. What
-//! writes no file may be left behind at any moment, so it is done on a thread of its own, which ends with the process.
+//! Most work checks for cancellation often. Some cannot, such as a call of a library or a pass over all samples. Work
+//! that writes no file can be abandoned at any moment, so that it runs on a thread of its own, which ends with the
+//! process.
 
 use std::panic::resume_unwind;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -11,14 +12,14 @@ use std::time::{Duration, Instant};
 use super::exit::{Exit, Stop};
 use crate::node::{Cancel, Error};
 
-/// How long work may take to stop by itself and to say where it was.
+/// Time that cancelled work has to stop by itself.
 const GRACE: Duration = Duration::from_millis(50);
-/// How often the signal is looked at.
+/// Time between two checks for cancellation.
 const STEP: Duration = Duration::from_millis(10);
-/// Bytes of the stack: as many as the first thread has.
+/// Bytes of the stack, as many as that of the main thread.
 const STACK: usize = 8 << 20;
 
-/// Does work that writes no file, and leaves it behind when it does not stop soon.
+/// Does work that writes no file; abandons it when it is cancelled and does not stop soon.
 pub(super) fn aside<T: Send + 'static>(
     cancel: &Cancel,
     work: impl FnOnce() -> Result<T, Stop> + Send + 'static,
@@ -27,11 +28,11 @@ pub(super) fn aside<T: Send + 'static>(
     let (give, given) = channel();
     let theirs = slot.clone();
     let run = move || {
-        // Nobody takes what comes too late.
+        // Sending fails when the work was abandoned.
         take(&theirs).map(|work| give.send(work()))
     };
     let Ok(worker) = std::thread::Builder::new().stack_size(STACK).spawn(run) else {
-        // A system that has no thread left still has this one.
+        // Where no thread can be started, the work is done on this one.
         return take(&slot).map_or_else(|| Err(cancelled()), |work| work());
     };
     let mut asked = None;

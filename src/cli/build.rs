@@ -42,8 +42,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
     /// Where nodes run
-    #[arg(long, value_enum, default_value_t = Backend::Cpu)]
-    backend: Backend,
+    #[arg(long, value_enum, default_value_t = BackendChoice::Cpu)]
+    backend: BackendChoice,
     #[command(flatten)]
     engine: EngineArgs,
     /// Replaces files in the folder that no build wrote; an input never
@@ -61,7 +61,7 @@ pub(super) struct Args {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Backend {
+enum BackendChoice {
     /// The reference, the same bits everywhere
     Cpu,
     /// The GPU where a node has a twin for it
@@ -71,7 +71,7 @@ enum Backend {
 }
 
 pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<Exit, Stop> {
-    if args.backend == Backend::Gpu {
+    if args.backend == BackendChoice::Gpu {
         let message =
             "--backend gpu: no node kind of this version runs on the GPU; use --backend cpu or auto";
         return Err(Stop::new(Exit::Device, message));
@@ -93,7 +93,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     let folder = Folder::open(&args.out, &inputs, &report_path, args.overwrite)?;
     let head = head(&graph, args, [&whole, &window], &tiles, variables);
     let cut = || tiles.iter().map(|t| t.place).collect();
-    // Builds of single tiles share the report of the folder; one that the user names is the build's own.
+    // Builds of single tiles share the report in the folder; a report that the user names belongs to one build.
     let part =
         (args.tiles.is_part() && args.report.is_none()).then(|| Part { names: names.clone(), tiles: cut() });
     let mut report = Report::start(&report_path, &folder, head, part)?;
@@ -124,7 +124,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     Ok(exit)
 }
 
-/// A line a file that was written, or their number where they are many.
+/// A line for each file that was written, or the number of files where they are many.
 fn wrote(out: &Path, outputs: &[Json]) -> Vec<String> {
     const SHOWN: usize = 16;
     if outputs.len() > SHOWN {
@@ -149,7 +149,7 @@ fn head(
     let cut = tiles.first().filter(|_| args.tiles.is_cut());
     let cut = cut.map(|t| json!({ "cols": t.place.cols, "rows": t.place.rows }));
     let format = args.format.map(Format::name);
-    // What builds of parts must agree in to be one.
+    // Builds of parts that agree in this belong to one build.
     let build =
         json!([env!("CARGO_PKG_VERSION"), graph_key.as_str(), grid(whole), grid(window), cut, format]);
     let mut head = serde_json::Map::new();
@@ -171,7 +171,7 @@ fn head(
     head
 }
 
-/// An output that cannot be made, with the reason.
+/// An output that failed, with the message and the exit code.
 fn fault(job: &Job, failure: &Failure) -> (String, String, Exit) {
     (job.name.clone(), failure.to_string(), Exit::of(failure))
 }
@@ -209,7 +209,7 @@ impl Build<'_> {
         for (name, problem) in broken {
             failed(&name, said_of(problem), Exit::Graph, report, None);
         }
-        // Refused before anything runs: what follows asks for less.
+        // The largest tile is checked against the budgets before anything runs; the others need less.
         let largest = tiles.iter().max_by_key(|t| t.grid.len());
         let mut foreseen = Vec::new();
         if let Some(largest) = largest {
@@ -245,7 +245,7 @@ impl Build<'_> {
             graph_key: &graph_key,
             folder: folder.dir(),
         };
-        // Most notes hold for every tile alike.
+        // Most notes are the same for all tiles and are printed once.
         let mut said = BTreeSet::new();
         for tile in tiles {
             if jobs.is_empty() {
@@ -255,7 +255,8 @@ impl Build<'_> {
             let mut dropped = Vec::new();
             for (i, (job, value)) in jobs.iter().zip(&evaluation.values).enumerate() {
                 let written = match value {
-                    // On the threads that the user allowed, and whose memory is counted.
+                    // Files are written on the threads of the engine, whose number the user set and whose memory is
+                    // counted.
                     Ok(value) => self.engine.pool().install(|| job.write(value, tile, &to)),
                     Err(failure) => Err(Stop::new(Exit::of(failure), failure)),
                 };
@@ -286,8 +287,8 @@ impl Build<'_> {
         Ok(exit)
     }
 
-    /// Finds the ranges that are still open: one for the whole terrain, never one a tile, that of the base grid. Gives
-    /// what failed on the way.
+    /// Finds the ranges that are not set. A range is that of the values on the base grid, one for the whole terrain and
+    /// not one for each tile. Returns the outputs that failed.
     fn take_ranges(
         &self,
         jobs: &mut [Job],
@@ -322,7 +323,7 @@ impl Build<'_> {
         Ok(evaluation)
     }
 
-    /// Enters an evaluation in the report, and says what their nodes warn of.
+    /// Adds an evaluation to the report and prints the warnings of its nodes.
     fn enter(&self, of: &Evaluation, report: &mut Report<'_>) {
         for warning in report.evaluation(of) {
             self.progress.say(&format!("warning: {warning}"));

@@ -41,7 +41,7 @@ pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
     let mut opened = open::open(&args.graph, registry)?;
     opened.problems.extend(report_problems(&opened.graph));
     let files = file_problems(&opened);
-    // What is wrong with the graph itself counts before what is wrong around it.
+    // Faults of the graph itself decide the exit code before those of its files.
     let exit = match opened.problems.iter().any(Problem::is_error) {
         true => Exit::Graph,
         false if files.iter().any(Problem::is_error) => Exit::Input,
@@ -65,12 +65,12 @@ pub(super) fn run(args: &Args, registry: &Registry) -> Result<Exit, Stop> {
     Ok(if exit == Exit::Done && args.strict && warnings > 0 { Exit::Graph } else { exit })
 }
 
-/// "1 node", "2 nodes".
+/// The text of a number of things, such as "1 node" or "2 nodes".
 fn counted(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
-/// Outputs that would be written where the report of a build goes.
+/// Problems of outputs whose files would have the name of the report.
 fn report_problems(graph: &Graph) -> Vec<Problem> {
     let collides = |(name, output): &(&str, &Output)| {
         let names = |format: Format| {
@@ -78,7 +78,7 @@ fn report_problems(graph: &Graph) -> Vec<Problem> {
             let sidecar = format.has_sidecar(1).then(|| sidecar_name(&file));
             sidecar.into_iter().chain([file]).collect::<Vec<_>>()
         };
-        // Without a format it is one that has a sidecar, unless it is colours.
+        // An output without a format has one with a sidecar, unless it is colours.
         let names = output.format.map_or_else(|| names(Format::Exr), names);
         names.iter().any(|n| n.eq_ignore_ascii_case(REPORT))
     };
@@ -87,7 +87,7 @@ fn report_problems(graph: &Graph) -> Vec<Problem> {
     graph.outputs().filter(collides).map(problem).collect()
 }
 
-/// Files that the nodes name and that cannot be read, and nodes for which none is chosen.
+/// Problems of nodes whose files cannot be read, or that have no file.
 fn file_problems(opened: &Opened) -> Vec<Problem> {
     let (graph, mut found) = (&opened.graph, Vec::new());
     for id in graph.nodes() {
@@ -124,10 +124,10 @@ pub(super) fn fmt(args: &FmtArgs, registry: &Registry) -> Result<Exit, Stop> {
     for path in &args.graphs {
         let graph = open::load(path, registry)?;
         let canonical = graph.canonical();
-        // What comes in on standard input goes out on standard output, as it is or changed.
+        // A graph from standard input is written to standard output, even if it is canonical already.
         if is_stdin(path) && !args.check {
             let text = String::from_utf8_lossy(&canonical);
-            // The same document, but for a terminal, which would obey what its texts say.
+            // On a terminal, control characters in texts are escaped, since a terminal would obey them.
             print(&if std::io::stdout().is_terminal() { printable_json(&text) } else { text })?;
             continue;
         }

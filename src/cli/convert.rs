@@ -97,7 +97,7 @@ pub(super) fn run(args: &Args, cancel: &Cancel) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-/// That heights lose their fractions in integers over a range that nobody chose.
+/// The warning that heights lose their fractions, because the range of the integers was not chosen.
 fn coarse(file: &HeightFile, [low, high]: [f64; 2]) -> Option<String> {
     let heights = || file.data.iter().filter(|z| z.is_finite());
     let (lowest, highest) =
@@ -114,14 +114,14 @@ fn coarse(file: &HeightFile, [low, high]: [f64; 2]) -> Option<String> {
 fn name(path: &Path) -> Result<String, Stop> {
     let name =
         path.file_name().ok_or_else(|| Stop::usage(format!("{} is not a file name", path.display())))?;
-    // It stands in a sidecar, which is text.
+    // The name is written to a sidecar, which is text.
     let text = name.to_str().ok_or_else(|| {
         Stop::usage(format!("the name of the output must be text in UTF-8, got `{}`", name.display()))
     })?;
     Ok(text.to_owned())
 }
 
-/// The format that is asked for, or that a name asks for, where the two do not contradict each other.
+/// The format of the option or of the name, where the two do not contradict each other.
 fn format(asked: Option<Format>, name: &str) -> Result<Format, Stop> {
     let Some(format) = asked else {
         let format = Format::of_name(name);

@@ -1,4 +1,4 @@
-//! How the program ends.
+//! Exit codes, and the output with which the program ends.
 
 use std::fmt::Display;
 use std::io::Write;
@@ -67,7 +67,7 @@ impl From<Exit> for ExitCode {
 pub(super) struct Stop {
     pub exit: Exit,
     pub message: String,
-    /// Whether standard output holds the result all the same, as a plan that is over the budget.
+    /// Whether the result was printed to standard output all the same, such as a plan over the budget.
     pub printed: bool,
 }
 
@@ -97,13 +97,13 @@ pub(super) fn save(path: &Path, bytes: &[u8]) -> Result<(), Stop> {
     save_known(path, bytes, Known::Anything)
 }
 
-/// Writes a small file whole or not at all, while it is what is known of it.
+/// Writes a small file whole or not at all, provided that the old file is as `known` says.
 pub(super) fn save_known(path: &Path, bytes: &[u8], known: Known<'_>) -> Result<(), Stop> {
     let cannot = |e: std::io::Error| Stop::new(Exit::Failed, format!("cannot write {}: {e}", path.display()));
     whole::save(path, bytes, known).map_err(cannot)
 }
 
-/// Writes a line to standard error, whatever texts it holds; a reader that has gone away stops nothing.
+/// Writes a text to standard error as one line. An error, such as that of a closed pipe, is ignored.
 pub(super) fn tell(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", printable(line));
 }
@@ -113,7 +113,7 @@ pub(super) fn tell_json(value: &serde_json::Value) {
     let _ = writeln!(std::io::stderr().lock(), "{}", printable_json(&value.to_string()));
 }
 
-/// Refuses to write over an input, whatever else the user said.
+/// Refuses to overwrite an input, whatever the other options are.
 pub(super) fn spare_inputs(path: &Path, inputs: &[PathBuf]) -> Result<(), Stop> {
     let real = path.canonicalize().ok();
     let is_input = real.is_some_and(|p| inputs.iter().any(|i| i.canonicalize().is_ok_and(|i| i == p)));
@@ -123,7 +123,7 @@ pub(super) fn spare_inputs(path: &Path, inputs: &[PathBuf]) -> Result<(), Stop> 
     Ok(())
 }
 
-/// Writes lines to standard output, each of them one line whatever texts it holds.
+/// Writes texts to standard output, each as one line.
 pub(super) fn print_lines(lines: impl IntoIterator<Item = impl AsRef<str>>) -> Result<Exit, Stop> {
     let mut text = String::new();
     for line in lines {
@@ -138,12 +138,12 @@ pub(super) fn print_json(value: &serde_json::Value) -> Result<Exit, Stop> {
     print(&json_text(value))
 }
 
-/// A JSON document as it is printed and kept in files.
+/// The text of a JSON document for output and files.
 pub(super) fn json_text(value: &serde_json::Value) -> String {
     format!("{}\n", printable_json(&format!("{value:#}")))
 }
 
-/// Writes the program's own text to standard output; a reader that has gone away is no error.
+/// Writes a text of the program to standard output; a closed pipe is no error.
 pub(super) fn print(text: &str) -> Result<Exit, Stop> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

@@ -127,7 +127,7 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// At true size, upright, in the middle of the terrain.
+/// The placing at true size, upright, in the middle of the terrain.
 const MIDDLE: Placing = Placing::TrueSize { x: Metres(0.0), y: Metres(0.0), rotation: Degrees(0.0) };
 
 /// A graph that is being fitted, and what was set in it.
@@ -145,7 +145,7 @@ impl Fitting<'_> {
         args: &Args,
         nodes: &[(NodeId, ImportHeight)],
     ) -> Result<(), Stop> {
-        // A georeference has the steps of the file: a cell of the node's own is not heeded there.
+        // A node that is placed by its georeference has the steps of the file and ignores its own cell.
         let by_cell = nodes.iter().filter(|(_, node)| node.placement != Placing::Georeference);
         if args.cell.is_some() && by_cell.clone().count() < nodes.len() {
             return Err(Stop::usage(
@@ -170,13 +170,13 @@ impl Fitting<'_> {
             match node.placement {
                 Placing::Georeference => self.geo(file)?,
                 Placing::Stretch if fit.is_exact() => (),
-                // What is stretched over a terrain that is a little smaller is not cropped.
+                // A file that is stretched over a slightly smaller terrain is not cropped.
                 Placing::Stretch | Placing::TrueSize { .. } => {
                     if node.placement != MIDDLE {
                         let middle = json!({ "true_size": { "x": 0, "y": 0, "rotation": 0 } });
                         self.put(&format!("{name}.placement"), middle);
                     }
-                    // The terrain has the size of the file at these steps, so the node must have them as well.
+                    // The terrain has the size of the file at these steps, so that the node needs them, too.
                     if steps_at(node.cell) != Some([dx, dy]) {
                         self.put(&format!("{name}.cell"), json!(dx));
                     }
@@ -186,7 +186,7 @@ impl Fitting<'_> {
         Ok(())
     }
 
-    /// Puts the north-west corner where that of the file lies.
+    /// Sets the place of the terrain on Earth so that its north-west corner is that of the file.
     fn geo(&mut self, file: &HeightFile) -> Result<(), Stop> {
         let place = file.placement;
         let upright = place.affine.filter(|a| a.is_north_up());
@@ -202,7 +202,7 @@ impl Fitting<'_> {
         Ok(())
     }
 
-    /// Names the file in the nodes that name none, where the graph may read it from where it is written.
+    /// Sets the file in the nodes that have none, where the graph may read it from the place where it is written.
     fn names(&mut self, nodes: &[(NodeId, ImportHeight)], file: &Path, target: &Path) {
         let folder = folder_of(target).canonicalize().ok();
         let inside = folder.zip(file.canonicalize().ok());
@@ -222,7 +222,7 @@ impl Fitting<'_> {
         }
     }
 
-    /// The name under which a parameter is set: that under which it is exposed, or its own.
+    /// The name by which a parameter is set: its exposed name, or its path.
     fn outside(&self, path: &str) -> String {
         let bound = self.graph.exposed().find(|(_, e)| e.bind.iter().any(|b| b == path));
         bound.map_or_else(|| path.to_owned(), |(name, _)| name.to_owned())

@@ -1,8 +1,8 @@
-//! The folder a build writes into: what may be written there, and what was.
+//! The folder into which a build writes: which files may be replaced, and which were written.
 //!
-//! A build writes only into the folder the user named. It replaces files that a build wrote there before, which a
-//! small list in the folder remembers even when a build was killed; others only with `--overwrite`; its own inputs
-//! never. Many builds may write into one folder at the same time, as those of single tiles do.
+//! A build writes only into the folder that the user named. It replaces files of earlier builds, which are in a list in
+//! the folder even where a build was killed. It replaces other files only with `--overwrite`, and its own inputs never.
+//! Several builds can write into one folder at the same time, as those of single tiles do.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -19,9 +19,9 @@ use crate::files::sidecar_name;
 use crate::whole::{self, Changed, Known};
 
 const LIST: &str = ".orograph-files.json";
-/// Locked by a build while it changes the list or a report that several builds share.
+/// The file that a build locks while it changes the list or a report that several builds share.
 const LOCK: &str = ".orograph-files.lock";
-/// How often the list is read anew where there are no locks and other builds change it.
+/// The most times that the list is read again where the system has no locks and other builds change it.
 const TRIES: usize = 100;
 
 pub(super) struct Folder {
@@ -62,12 +62,12 @@ impl Folder {
         Ok(folder)
     }
 
-    /// The handle that files are written through.
+    /// The handle of the folder, by which files are written.
     pub(super) fn dir(&self) -> &Dir {
         &self.dir
     }
 
-    /// Keeps other builds from list and report while it is held; nothing where there are no locks.
+    /// A lock that keeps other builds from changing list and report; `None` where the system has no locks.
     pub(super) fn lock(&self) -> Option<File> {
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true);
@@ -75,7 +75,7 @@ impl Folder {
         file.lock().ok().map(|()| file)
     }
 
-    /// The list as it is on the disk, and the names on it.
+    /// The content of the file of the list, and the names in it.
     fn list(&self) -> Result<(Option<Vec<u8>>, BTreeSet<String>), Stop> {
         let bytes = match self.dir.read(LIST) {
             Ok(bytes) => bytes,
@@ -88,7 +88,7 @@ impl Folder {
         Ok((Some(bytes), names))
     }
 
-    /// Refuses to write the sidecar of a file over that of another one that is there, as after a change of the format.
+    /// Refuses to overwrite the sidecar of another existing file, as happens after a change of the format.
     pub(super) fn spare_sidecar(&self, file: &str) -> Result<(), Stop> {
         match other_owner(&self.path, file).filter(|_| !self.overwrite) {
             None => Ok(()),
@@ -140,8 +140,8 @@ impl Folder {
         Stop::new(Exit::Failed, format!("cannot {what} {}: {why}", self.path.join(name).display()))
     }
 
-    /// The files that builds wrote here which are not of this build: neither among `own` nor, as their sidecars tell,
-    /// made of the same graph at the same size.
+    /// The files of earlier builds that do not belong to this one: they are not among `own`, and their sidecars are of
+    /// another graph or another size.
     pub(super) fn stale(&self, own: &BTreeSet<String>, graph_key: &str, whole: [usize; 2]) -> Vec<String> {
         let Ok((_, written)) = self.list() else { return Vec::new() };
         let is_there = |name: &String| self.dir.symlink_metadata(name).is_ok();

@@ -76,7 +76,8 @@ fn as_json(graph: &Graph) -> serde_json::Value {
     })
 }
 
-/// What the numbers of an output mean, and the format in which a build writes it; nothing where a fault leaves them open.
+/// What the numbers of an output mean, and the format in which a build writes it; nothing where a fault leaves them
+/// open.
 fn written(
     graph: &Graph,
     quantities: &GraphQuantities,

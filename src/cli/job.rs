@@ -20,7 +20,7 @@ pub(super) struct Tile {
     pub grid: Grid,
 }
 
-/// An output on its way to a file.
+/// An output that is to be written to a file.
 #[derive(Debug)]
 pub(super) struct Job {
     pub name: String,
@@ -33,7 +33,7 @@ pub(super) struct Job {
     channels: usize,
 }
 
-/// What the files of a build have in common.
+/// The settings that all files of a build share.
 #[derive(Clone, Copy)]
 pub(super) struct Common<'a> {
     /// Whether the terrain is cut into tiles.
@@ -45,15 +45,15 @@ pub(super) struct Common<'a> {
     pub folder: &'a Dir,
 }
 
-/// What was written.
+/// A written file: its entry in the report.
 pub(super) struct Entry {
     pub json: Json,
     pub notes: Vec<String>,
-    /// What writing was estimated to take.
+    /// The estimated seconds of writing.
     pub planned_seconds: f64,
 }
 
-/// The jobs of some outputs, and those whose source does not resolve.
+/// The jobs of outputs, and the outputs whose source does not resolve.
 pub(super) fn jobs(
     graph: &Graph,
     names: &[String],
@@ -74,7 +74,7 @@ pub(super) fn jobs(
     (jobs, broken)
 }
 
-/// What is said of an output whose source does not resolve.
+/// The message about an output whose source does not resolve.
 pub(super) fn said_of(problem: Problem) -> String {
     match &problem.place {
         Place::Output(_) => problem.message,
@@ -82,8 +82,8 @@ pub(super) fn said_of(problem: Problem) -> String {
     }
 }
 
-/// The source of an output, where no problem of the graph stops it: what a check calls an error is none that a build
-/// passes over.
+/// The source of an output, where no problem of the graph stops it. A build thus stops at every error that `check`
+/// reports about the output.
 pub(super) fn source_of(graph: &Graph, name: &str, problems: &[Problem]) -> Result<Source, Problem> {
     let source = graph.output_source(name)?;
     let upstream = graph.upstream(source.node);
@@ -111,17 +111,17 @@ impl Job {
         }
     }
 
-    /// What it asks of the engine on a grid.
+    /// The want of the output on a grid.
     pub(super) fn want(&self, grid: Grid) -> Want {
         Want { node: self.source.node, port: self.source.port.clone(), grid }
     }
 
-    /// Seconds that writing it on a grid takes on one core.
+    /// Estimated seconds of writing the output on a grid, on one core.
     pub(super) fn writing_seconds(&self, grid: &Grid) -> f64 {
         writer_cost(self.format, [grid.cols, grid.rows], self.channels, 1).seconds
     }
 
-    /// The entry of a plan: what will be written, before anything runs.
+    /// The entry of the output in a plan.
     pub(super) fn planned(&self, grid: &Grid, effective_cell: Option<f64>) -> Json {
         json!({
             "name": self.name, "cols": grid.cols, "rows": grid.rows, "effective_cell": effective_cell,
@@ -129,12 +129,12 @@ impl Job {
         })
     }
 
-    /// What will be written, as a person reads it: `exr, elevation in m`.
+    /// The format and the quantity as text, such as `exr, elevation in m`.
     pub(super) fn summary(&self) -> String {
         format!("{}, {}", self.format.name(), self.quantity.described())
     }
 
-    /// Whether integers are to be written and nobody said what they stand for.
+    /// Whether integers are written and their range is not set.
     pub(super) fn needs_range(&self) -> bool {
         let own = matches!(
             self.quantity,
@@ -160,14 +160,14 @@ impl Job {
         format!("{}.{}", self.stem(tile, cut), self.format.extension())
     }
 
-    /// The names of the files it will write for a tile.
+    /// The names of the files of a tile.
     pub(super) fn files(&self, tile: &Tile, cut: bool) -> Vec<String> {
         let file = self.file(tile, cut);
         let sidecar = self.format.has_sidecar(self.channels).then(|| sidecar_name(&file));
         sidecar.into_iter().chain([file]).collect()
     }
 
-    /// The file that it will write for a tile, where a sidecar goes with it.
+    /// The name of the file of a tile, where it has a sidecar.
     pub(super) fn with_sidecar(&self, tile: &Tile, cut: bool) -> Option<String> {
         self.format.has_sidecar(self.channels).then(|| self.file(tile, cut))
     }

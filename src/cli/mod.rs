@@ -79,7 +79,7 @@ enum Command {
 }
 
 impl Command {
-    /// Whether the result on standard output is JSON, which an error is then, too.
+    /// Whether the result on standard output is JSON; errors are then JSON, too.
     fn prints_json(&self) -> bool {
         match self {
             Self::Check(args) => args.json,
@@ -90,7 +90,7 @@ impl Command {
         }
     }
 
-    /// Whether it writes no file, so that it may be left behind when it was asked to stop.
+    /// Whether the command writes no file, so that it can be abandoned when it is cancelled.
     fn writes_nothing(&self) -> bool {
         match self {
             Self::Check(_) | Self::Info(_) | Self::Plan(_) => true,
@@ -120,7 +120,7 @@ pub fn main() -> ExitCode {
         exit::tell(&format!("warning: {unknown}"));
     }
     let cancel = Cancel::default();
-    // The editor just ends at a signal: what is unsaved is kept for its next start.
+    // The editor ends at a signal; its unsaved work is stored for the next start.
     if !cli.command.is_editor() {
         stop_at_signals(cancel.clone());
     }
@@ -135,7 +135,7 @@ pub fn main() -> ExitCode {
         Err(stop) => {
             exit::tell(&format!("error: {}", stop.message));
             if json && !stop.printed {
-                // The code tells of the error whether or not somebody reads this.
+                // An error of printing is ignored, because the exit code reports the failure.
                 let _ = exit::print_json(&json!({ "error": stop.message, "exit": stop.exit.code() }));
             }
             stop.exit.into()
@@ -143,13 +143,13 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Prints why the command line was refused, or the help or version that it asks for.
+/// Prints why the command line was refused, or the help or the version where it asks for one.
 fn refuse(error: clap::Error, words: &[OsString]) -> Exit {
     if !error.use_stderr() {
         let _ = error.print();
         return Exit::Done;
     }
-    // The message quotes the words: it is made once more of words that can be printed.
+    // The message quotes the arguments, so that it is made again from printable ones.
     let shown: Vec<_> = words.iter().map(|w| printable(&w.to_string_lossy()).into_owned()).collect();
     let asks_for_json = asks_for_json(&shown);
     let said = match Cli::try_parse_from(shown) {
@@ -157,7 +157,7 @@ fn refuse(error: clap::Error, words: &[OsString]) -> Exit {
             let _ = shown.print();
             shown.to_string()
         }
-        // Words that were no text at all may be fine as they are shown.
+        // Arguments that are not UTF-8 can be valid in their printable form.
         _ => {
             exit::tell(error.to_string().trim_end());
             error.to_string()
@@ -169,22 +169,22 @@ fn refuse(error: clap::Error, words: &[OsString]) -> Exit {
     Exit::Usage
 }
 
-/// Whether words that are no command line ask for JSON.
+/// Whether arguments that are no valid command line ask for JSON.
 fn asks_for_json(words: &[String]) -> bool {
     words.iter().take_while(|word| *word != "--").any(|word| word == "--json")
 }
 
-/// What is wrong with a command line, without the lines on how it is to be.
+/// The fault of a command line, without the lines on its usage.
 fn fault(said: &str) -> &str {
     let said = said.split("\n\nUsage:").next().unwrap_or_default();
     let said = said.split("\n\nFor more information").next().unwrap_or_default().trim();
     said.strip_prefix("error: ").unwrap_or(said)
 }
 
-/// Asks the work to stop at the first signal and ends the process at the second.
+/// Cancels the work at the first signal and ends the process at the second.
 fn stop_at_signals(cancel: Cancel) {
     let second = std::sync::atomic::AtomicBool::new(false);
-    // Without a handler the process just ends at Ctrl+C, which loses nothing: files are whole or not there.
+    // Without a handler the process ends at Ctrl+C, which loses nothing, because files are written whole or not at all.
     let _ = ctrlc::set_handler(move || {
         cancel.cancel();
         if second.swap(true, std::sync::atomic::Ordering::SeqCst) {
@@ -193,7 +193,7 @@ fn stop_at_signals(cancel: Cancel) {
     });
 }
 
-/// The words of the command line; a graph alone, or nothing where there is a screen, means the editor.
+/// The arguments; a graph alone, or none where there is a display, means the editor.
 fn words(mut words: Vec<OsString>) -> Vec<OsString> {
     if !cfg!(feature = "editor") {
         return words;

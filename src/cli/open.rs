@@ -1,4 +1,4 @@
-//! Opening a graph with what the command line changes in it.
+//! Opening a graph and applying the changes of the command line.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::graph::{Graph, LoadError, MAX_FILE, Problem};
 use crate::node::FileRequest;
 use crate::nodes::Registry;
 
-/// Most bytes of a file of variables.
+/// The most bytes of a file of variables.
 const MAX_VARIABLES: u64 = MAX_FILE;
 
 /// A graph ready to evaluate, and the files it may read.
@@ -20,14 +20,14 @@ pub(super) struct Opened {
     pub graph: Graph,
     pub files: Files,
     pub problems: Vec<Problem>,
-    /// What was set, as the report shows it.
+    /// The values that were set, for the report.
     pub variables: serde_json::Map<String, Json>,
 }
 
 /// The path that stands for standard input.
 pub(super) const STDIN: &str = "-";
 
-/// Reads the file alone.
+/// Reads the file of a graph without changes.
 pub(super) fn load(path: &Path, registry: &Registry) -> Result<Graph, Stop> {
     let (graph, name) = if is_stdin(path) {
         (from_stdin(registry), "standard input".into())
@@ -51,7 +51,7 @@ fn from_stdin(registry: &Registry) -> Result<Graph, LoadError> {
     Graph::from_bytes(&bytes, registry)
 }
 
-/// The folder whose files a graph may read: its own, or where the user stands.
+/// The folder whose files a graph may read: its own, or the current folder.
 fn folder_of(graph: &Path) -> &Path {
     graph.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -93,7 +93,7 @@ pub(super) fn open(args: &GraphArgs, registry: &Registry) -> Result<Opened, Stop
             .map_err(|e| Stop::usage(format!("--{name}: {e}")))?;
     }
     let problems = graph.problems();
-    // All that one command does speaks of the same files.
+    // A command uses the same content of files throughout.
     let files = files.pinned();
     Ok(Opened { graph, files, problems, variables })
 }
@@ -115,8 +115,8 @@ fn variables_of(path: &Path) -> Result<serde_json::Map<String, Json>, Stop> {
     }
 }
 
-/// Sets a parameter from the command line. A file named there is the user's own word: it is taken relative to where
-/// the user stands, and may lie anywhere.
+/// Sets a parameter from the command line. A file that the user names there is relative to the current folder and may
+/// be anywhere.
 fn assign(graph: &mut Graph, files: &mut Files, name: &str, text: &str) -> Result<(), Problem> {
     graph.assign(name, text)?;
     if requests(graph).any(|r| r.name == text)
@@ -129,13 +129,13 @@ fn assign(graph: &mut Graph, files: &mut Files, name: &str, text: &str) -> Resul
     Ok(())
 }
 
-/// The file of a name in a folder, where it is there; a name may be written as on Windows.
+/// The path of a file in a folder, where it exists; the name may be written as on Windows.
 pub(super) fn found(folder: &Path, name: &str) -> Option<PathBuf> {
     let there = |name: &str| folder.join(name).canonicalize().ok();
     there(name).or_else(|| there(&on_this_system(name)?))
 }
 
-/// The files that are read: the graph, the variables, and what the nodes name, as far as it lies where they say.
+/// The files that are read: the graph, the variables, and existing files that the nodes name.
 pub(super) fn inputs(args: &GraphArgs, graph: &Graph, files: &Files) -> Vec<PathBuf> {
     let folder = folder_of(&args.graph);
     let sources = requests(graph).map(|f| files.locate(&f.name).unwrap_or_else(|| folder.join(f.name)));

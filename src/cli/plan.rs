@@ -50,7 +50,7 @@ pub(super) fn chosen(graph: &Graph, names: &[String]) -> Result<Vec<String>, Sto
     Ok(if names.is_empty() { all.into_iter().map(str::to_owned).collect() } else { names.to_vec() })
 }
 
-/// What an output wants on a grid; the problem when its source does not resolve.
+/// The want of an output on a grid; fails when its source does not resolve.
 pub(super) fn want(graph: &Graph, output: &str, grid: Grid) -> Result<Want, crate::graph::Problem> {
     let source = graph.output_source(output)?;
     Ok(Want { node: source.node, port: source.port, grid })
@@ -60,7 +60,7 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     args.engine.refuse()?;
     let Opened { graph, files, problems, .. } = open::open(&args.graph, registry)?;
     let (whole, window) = args.grid.grids(graph.terrain())?;
-    // All tiles are alike; a build is admitted by its largest.
+    // Tiles need about the same; a build is admitted by its largest one.
     let tiles = tiles(&args.tiles, &window)?;
     let tile = tiles.iter().map(|t| t.grid).max_by_key(Grid::len).unwrap_or(window);
     let names = chosen(&graph, &args.outputs)?;
@@ -94,14 +94,14 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
     }
 }
 
-/// An output that cannot be made.
+/// An output that will fail.
 struct Failed {
     output: String,
     message: String,
     exit: Exit,
 }
 
-/// What cannot be made, in the order in which a build finds it.
+/// The outputs that will fail, in the order in which a build finds them.
 fn failures(plan: &Plan, names: &[String], broken: Vec<(String, Problem)>) -> Vec<Failed> {
     let broken = broken.into_iter().map(|(output, problem)| {
         let message = said_of(problem);
@@ -114,21 +114,21 @@ fn failures(plan: &Plan, names: &[String], broken: Vec<(String, Problem)>) -> Ve
     broken.chain(planned).collect()
 }
 
-/// A plan as it is shown.
+/// A plan with the data that is printed with it.
 struct Planned<'a> {
     plan: &'a Plan,
     jobs: &'a [Job],
     window: &'a Grid,
-    /// Bytes for all but the evaluation.
+    /// Bytes of the budget that are not for the evaluation.
     reserve: u64,
-    /// Bytes that the budget must hold.
+    /// Bytes that must fit the budget.
     need: u64,
-    /// Seconds of writing the outputs.
+    /// Estimated seconds of writing the outputs.
     writing: f64,
     failures: &'a [Failed],
 }
 
-/// What a person should know of a plan before it runs.
+/// The warnings about a plan.
 pub(super) fn warnings(plan: &Plan, names: &[String], window: &Grid) -> Vec<String> {
     let coarser = |(i, name): (usize, &String)| {
         let cell = plan.effective_cell(i)?;

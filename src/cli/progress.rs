@@ -23,7 +23,7 @@ pub(super) enum Mode {
     None,
 }
 
-/// Shows the progress of one evaluation after the other.
+/// An observer that shows the progress of one evaluation after the other.
 pub(super) struct Progress {
     mode: Mode,
     /// Whether the user chose the mode.
@@ -54,12 +54,12 @@ impl Progress {
         Self { mode, asked, bar, state: Mutex::default() }
     }
 
-    /// Says what the next evaluation is for: a tile, a base range.
+    /// Sets the label of the next evaluation, such as a tile or a range on the base grid.
     pub(super) fn label(&self, label: impl Into<String>) {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).label = label.into();
     }
 
-    /// Says something above the bar.
+    /// Prints a message above the bar.
     pub(super) fn say(&self, message: &str) {
         match self.mode {
             Mode::Json => tell_json(&json!({ "event": "message", "text": message })),
@@ -67,7 +67,7 @@ impl Progress {
         }
     }
 
-    /// Says what was done, unless nothing is to be shown.
+    /// Prints a message about work that is done, unless the mode shows nothing.
     pub(super) fn news(&self, message: &str) {
         match self.mode {
             Mode::None if self.asked => (),

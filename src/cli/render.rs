@@ -19,7 +19,7 @@ use crate::graph::Graph;
 use crate::node::{Cancel, Cost};
 use crate::nodes::Registry;
 use crate::render::{
-    Camera, Edge, Palette, Picture, Scene, Sun, map, map_cost, perspective, perspective_cost,
+    Camera, Edge, GroundPalette, Picture, Scene, Sun, map, map_cost, perspective, perspective_cost,
 };
 use crate::value::{Colors, Field, Grid, Lattice, Quantity, Value, WireType};
 use crate::work::Work;
@@ -41,8 +41,8 @@ pub(super) struct Args {
     #[command(flatten)]
     grid: GridArgs,
     /// A map from above or a perspective
-    #[arg(long, value_enum, default_value_t = View::Map)]
-    view: View,
+    #[arg(long, value_enum, default_value_t = ViewKind::Map)]
+    view: ViewKind,
     /// Columns of the picture [default: 1280, or the samples of a map up to 2048]
     #[arg(long, value_name = "PIXELS")]
     width: Option<usize>,
@@ -103,28 +103,28 @@ pub(super) struct Args {
     progress: Option<Mode>,
 }
 
-/// Bytes a sample that closing voids and drawing take beside the heights.
+/// Bytes for each sample that closing voids and drawing take beside the heights.
 const DRAWING: u64 = 24;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum View {
+enum ViewKind {
     /// From above, north up
     Map,
     /// From a camera
     Perspective,
 }
 
-/// The palette that land is drawn with where nothing else is said.
+/// The default palette of land.
 const DEFAULT_PALETTE: &str = "satellite";
-/// The input by which a kind that gives colours takes their shade.
+/// The input of kinds with colours that shades them.
 const SHADE: &str = "shade";
 
-/// What is to be drawn.
+/// The values to draw.
 struct Subject {
     height: Field,
     color: Option<Colors>,
     sea_level: Option<f64>,
-    /// Whether the colours are all there is to see.
+    /// Whether there are only colours and no heights.
     flat: bool,
 }
 
@@ -155,8 +155,8 @@ pub(super) fn run(args: &Args, registry: &Registry, cancel: &Cancel) -> Result<E
 }
 
 impl Args {
-    /// Refuses options that would be ignored: those of the other view, those for graphs with a height file, and the
-    /// other way round.
+    /// Refuses options that would be ignored: those of the other view, those of graphs for a height file, and those of
+    /// height files for a graph.
     fn refuse(&self) -> Result<(), Stop> {
         self.refuse_of_view()?;
         self.engine.refuse()?;
@@ -180,10 +180,10 @@ impl Args {
         self.graph.refuse("graphs", self.graph.given().chain(given))
     }
 
-    /// Refuses options that the view does not heed.
+    /// Refuses options that the view would ignore.
     fn refuse_of_view(&self) -> Result<(), Stop> {
         match self.view {
-            View::Map => {
+            ViewKind::Map => {
                 let given = heed::given([
                     ("--height", self.height.is_some()),
                     ("--haze", self.haze.is_some()),
@@ -194,7 +194,7 @@ impl Args {
                 ]);
                 heed::refuse(given, "a perspective, and a map is drawn; say --view perspective with it")
             }
-            View::Perspective => {
+            ViewKind::Perspective => {
                 let given = heed::given([("--contours", self.contours.is_some())]);
                 heed::refuse(given, "a map, and a perspective is drawn")
             }
@@ -242,7 +242,7 @@ fn from_graph(
     };
     let height = evaluated(&graph, height)?;
     let is_land = matches!(&height, Value::Field(f) if f.quantity() == Quantity::Elevation);
-    // The graph's own colours are those of land; a mask is drawn as it is.
+    // The colours of the graph are for land; a mask is drawn as it is.
     let own = || own_colors(&graph, window).filter(|_| is_land && args.palette.is_none());
     let color = match (color, own()) {
         (Some((name, want)), _) => Some((name, evaluated(&graph, want)?)),
@@ -265,22 +265,22 @@ fn from_graph(
     subject(graph.terrain().sea_level, height, color.map(|(_, value)| value))
 }
 
-/// What drawing takes, what is drawn among it, in the colours of the graph where it may be.
+/// The cost of drawing, with the memory of the values and of the colours of the graph.
 fn drawing(grid: [usize; 2], args: &Args) -> Result<Cost, Stop> {
     let colored = args.color.is_some() || args.palette.is_none();
     Ok(match args.view {
-        View::Map => map_cost(grid, map_width(args, grid[0]), colored),
-        View::Perspective => perspective_cost(grid, &camera(args)?, colored),
+        ViewKind::Map => map_cost(grid, map_width(args, grid[0]), colored),
+        ViewKind::Perspective => perspective_cost(grid, &camera(args)?, colored),
     })
 }
 
-/// The width of a map: as asked for, or a pixel a sample up to what a screen shows.
+/// The width of a map: that of the option, or one pixel for each sample up to the width of a screen.
 fn map_width(args: &Args, cols: usize) -> Option<usize> {
     args.width.or_else(|| (cols > 2048).then_some(2048))
 }
 
-/// The first output of a graph that is colours, with what it wants, and the graph that gives them without the shade
-/// that was put into them: the picture has light of its own.
+/// The first output of a graph that is colours, with its want, and the graph without the shade of these colours, since
+/// the picture has its own light.
 fn own_colors(graph: &Graph, window: Grid) -> Option<(String, Graph, Want)> {
     let outputs = graph.outputs().filter_map(|(name, _)| Some((name, graph.output_source(name).ok()?)));
     let (name, source) = outputs.into_iter().find(|(_, s)| graph.wire_type(s) == Some(WireType::Colors))?;
@@ -291,7 +291,7 @@ fn own_colors(graph: &Graph, window: Grid) -> Option<(String, Graph, Want)> {
     Some((name.to_owned(), plain, Want { node: source.node, port: source.port, grid: window }))
 }
 
-/// Draws without the graph's own colours where they cannot be made, unless the work was to stop.
+/// Goes on without the colours of the graph where they fail; fails itself when the work is cancelled.
 fn without<T>(stop: Stop, progress: &Progress) -> Result<Option<T>, Stop> {
     if matches!(stop.exit, Exit::Cancelled | Exit::Budget) {
         return Err(stop);
@@ -300,7 +300,7 @@ fn without<T>(stop: Stop, progress: &Progress) -> Result<Option<T>, Stop> {
     Ok(None)
 }
 
-/// What the values of the height output and, where there is one, the colour output show.
+/// The values to draw, from the value of the first output and that of the colour output where there is one.
 fn subject(sea: Option<f64>, first: Value, color: Option<Value>) -> Result<Subject, Stop> {
     let color = match color {
         Some(Value::Colors(c)) => Some(c),
@@ -309,7 +309,7 @@ fn subject(sea: Option<f64>, first: Value, color: Option<Value>) -> Result<Subje
     };
     match first {
         Value::Field(height) if height.quantity() == Quantity::Elevation => {
-            // A terrain that stays above the sea is drawn without one.
+            // A terrain that is above the sea everywhere is drawn without water.
             let low = height.range().map_or(f64::MAX, |(lo, _)| f64::from(lo));
             Ok(Subject { height, color, sea_level: sea.filter(|sea| low < *sea), flat: false })
         }
@@ -319,13 +319,13 @@ fn subject(sea: Option<f64>, first: Value, color: Option<Value>) -> Result<Subje
     }
 }
 
-/// What has no height is drawn as it is, on a plain.
+/// Colours without heights, to be drawn on a plain.
 fn flat(color: Colors) -> Subject {
     let height = Field::constant(*color.grid(), Quantity::Elevation, 0.0);
     Subject { height, color: Some(color), sea_level: None, flat: true }
 }
 
-/// Masks from black to white, other values from their lowest to their highest.
+/// The greys of a field: masks from 0 to 1, other values from their lowest to their highest.
 fn greys(values: &Field) -> Colors {
     let own = if values.quantity() == Quantity::Mask { Some((0.0, 1.0)) } else { values.range() };
     let (lo, hi) = own.filter(|(lo, hi)| hi > lo).unwrap_or((0.0, 1.0));
@@ -337,7 +337,7 @@ fn from_file(args: &Args, cancel: &Cancel) -> Result<Subject, Stop> {
     let path: &Path = &args.graph.graph;
     let budget = args.engine.options().memory;
     let (height_scale, own_cell) = (args.height_scale, args.cell);
-    let width = args.width.filter(|_| args.view == View::Map);
+    let width = args.width.filter(|_| args.view == ViewKind::Map);
     let work = move |mut file: HeightFile| {
         file.origin.notes.iter().for_each(|n| tell(&format!("note: {n}")));
         fill_voids(file.cols, file.rows, &mut file.data);
@@ -371,8 +371,8 @@ fn draw(args: &Args, subject: &Subject, cancel: &Cancel) -> Result<Picture, Stop
         Some(text) => Some(numbers::<1>("--water", text)?[0]),
     };
     if let Some(name) = &args.palette {
-        scene.palette = Palette::named(name).ok_or_else(|| {
-            let names: Vec<_> = Palette::names().collect();
+        scene.palette = GroundPalette::named(name).ok_or_else(|| {
+            let names: Vec<_> = GroundPalette::names().collect();
             let hint = crate::params::did_you_mean(name, names.iter().copied());
             Stop::usage(format!("--palette must be one of {}, got `{name}`{hint}", names.join(", ")))
         })?;
@@ -392,8 +392,8 @@ fn draw(args: &Args, subject: &Subject, cancel: &Cancel) -> Result<Picture, Stop
     }
     let watch = Work::new(cancel);
     let drawn = match args.view {
-        View::Map => map(&scene, map_width(args, subject.height.grid().cols), &watch),
-        View::Perspective => perspective(&scene, &camera(args)?, &watch),
+        ViewKind::Map => map(&scene, map_width(args, subject.height.grid().cols), &watch),
+        ViewKind::Perspective => perspective(&scene, &camera(args)?, &watch),
     };
     drawn.map_err(|e| match e {
         crate::node::Error::Cancelled => Stop::new(Exit::Cancelled, e),
@@ -420,7 +420,7 @@ fn camera(args: &Args) -> Result<Camera, Stop> {
     Ok(camera)
 }
 
-/// So many numbers, separated by commas.
+/// Parses `N` numbers that are separated by commas.
 fn numbers<const N: usize>(option: &str, text: &str) -> Result<[f64; N], Stop> {
     let parsed: Option<Vec<f64>> = text.split(',').map(|t| t.trim().parse().ok()).collect();
     let finite = parsed.filter(|v| v.iter().all(|x| x.is_finite()));

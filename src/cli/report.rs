@@ -21,15 +21,15 @@ pub(super) const REPORT: &str = "report.json";
 /// The path that stands for standard output.
 pub(super) const STDOUT: &str = "-";
 
-/// Collects what a build did.
+/// The report of a build while it runs.
 pub(super) struct Report<'a> {
     path: PathBuf,
     folder: &'a Folder,
-    /// Those of the report that an earlier build left, which the new one gets.
+    /// The permissions of the report of an earlier build, which the new report gets.
     permissions: Option<Permissions>,
     started: std::time::Instant,
     head: Map<String, Json>,
-    /// What this build makes of a report that others share.
+    /// The part of this build in a report that several builds share.
     part: Option<Part>,
     outputs: Vec<Json>,
     failures: Vec<Json>,
@@ -41,7 +41,7 @@ pub(super) struct Report<'a> {
     planned_seconds: f64,
 }
 
-/// What the tasks of one node and stage did together, over all tiles.
+/// The totals of the tasks of one node and stage over all tiles.
 #[derive(Default)]
 struct NodeTotal {
     kind: Name,
@@ -53,8 +53,8 @@ struct NodeTotal {
 }
 
 impl<'a> Report<'a> {
-    /// Starts a report. What an earlier build left is removed, so that no report speaks of files that are no more;
-    /// of a report that builds of single tiles share, what it says of this build's tiles.
+    /// Starts a report. The report of an earlier build is removed, so that no report lists files that no longer exist.
+    /// Of a report that builds of single tiles share, only the entries of this build's tiles are removed.
     pub(super) fn start(
         path: &Path,
         folder: &'a Folder,
@@ -107,7 +107,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// The report that stands there, where it is of another part of the same build.
+    /// The existing report, where it is of another part of the same build.
     fn of_others(&self) -> Option<Map<String, Json>> {
         let text = std::fs::read(&self.path).ok()?;
         let report = serde_json::from_slice::<Map<String, Json>>(&text).ok()?;
@@ -127,22 +127,22 @@ impl<'a> Report<'a> {
         self.outputs.push(output);
     }
 
-    /// Says how many bytes are set aside for the program, the document and the writers.
+    /// Sets the bytes that are reserved for the program, the document and the writers.
     pub(super) fn reserve(&mut self, bytes: u64) {
         self.reserve_bytes = bytes;
     }
 
-    /// Adds to the estimate what is not part of an evaluation.
+    /// Adds seconds to the estimate that are not part of an evaluation.
     pub(super) fn planned_seconds(&mut self, seconds: f64) {
         self.planned_seconds += seconds;
     }
 
-    /// What a person should know of the result.
+    /// Adds a warning.
     pub(super) fn warning(&mut self, text: String) {
         self.warnings.push(text);
     }
 
-    /// An output that failed, on one tile or on all.
+    /// Adds an output that failed, on one tile or on all.
     pub(super) fn failure(&mut self, output: &str, message: &str, exit: Exit, tile: Option<Tile>) {
         let tiles = match (&self.part, tile) {
             (Some(part), None) => part.tiles.iter().copied().map(Some).collect(),
@@ -152,7 +152,7 @@ impl<'a> Report<'a> {
         self.failures.extend(tiles.into_iter().map(entry));
     }
 
-    /// Takes up what an evaluation did; gives what nodes said of their results and did not say before.
+    /// Adds the tasks of an evaluation; returns the warnings of nodes that were not given before.
     pub(super) fn evaluation(&mut self, of: &Evaluation) -> Vec<String> {
         let mut news = Vec::new();
         self.peak_bytes = self.peak_bytes.max(of.peak_bytes);
@@ -178,7 +178,7 @@ impl<'a> Report<'a> {
         news
     }
 
-    /// Writes the report whole.
+    /// Writes the report, whole or not at all.
     pub(super) fn write(mut self) -> Result<(), Stop> {
         let whole = [self.head["whole"]["cols"].as_u64(), self.head["whole"]["rows"].as_u64()];
         let whole = whole.map(|n| n.unwrap_or_default() as usize);
@@ -204,7 +204,7 @@ impl<'a> Report<'a> {
             .map_err(cannot)
     }
 
-    /// What this build did.
+    /// The content of the report.
     fn taken(&mut self) -> Map<String, Json> {
         let nodes = self.nodes.iter().map(|((node, stage), t)| {
             json!({
@@ -230,7 +230,7 @@ impl<'a> Report<'a> {
     }
 }
 
-/// The files that a report speaks of.
+/// The files that a report lists.
 fn files(report: &Map<String, Json>) -> BTreeSet<String> {
     let outputs = report.get("outputs").and_then(Json::as_array).into_iter().flatten();
     let names = outputs.flat_map(|o| [o["path"].as_str(), o["sidecar"].as_str()]);

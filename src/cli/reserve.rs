@@ -1,4 +1,4 @@
-//! What a command takes beside its evaluation: the program itself, the document, the writers.
+//! The memory of a command beside its evaluation: that of the program, the document and the writers.
 
 use super::args::EngineArgs;
 use crate::files::writer_cost;
@@ -6,16 +6,16 @@ use crate::files::{Format, WriterCost};
 use crate::graph::Graph;
 use crate::value::Grid;
 
-/// Bytes the program takes before it evaluates anything: itself, and what the allocator holds back.
+/// Bytes that the program takes before an evaluation, with those that the allocator holds.
 const PROGRAM_BYTES: u64 = 20 << 20;
-/// Bytes a thread takes by being there: its stack as far as it is used, and an arena of the allocator.
+/// Bytes of a thread: the used part of its stack, and an arena of the allocator.
 const THREAD_BYTES: u64 = 1 << 20;
-/// Bytes a node takes in the document, the program, the plan and the report.
+/// Bytes of a node in the document, the program, the plan and the report.
 const NODE_BYTES: u64 = 5 << 10;
-/// Numbers a sample of the widest value that is written: colours.
+/// Numbers in a sample of the widest value that is written, which is colours.
 const WIDEST: usize = 3;
 
-/// Bytes beside the evaluation: for the program and the graph, and for writing where there is something to write.
+/// Bytes beside the evaluation: those of the program and the graph, and those of writing where a grid is written.
 pub(super) fn reserve(graph: &Graph, engine: &EngineArgs, written: Option<&Grid>) -> u64 {
     let threads = engine.threads();
     let writer = |grid: &Grid| writer_cost(Format::Exr, [grid.cols, grid.rows], WIDEST, threads);

@@ -1,4 +1,4 @@
-//! A report that builds of single tiles share: each leaves what the others did and puts in its own.
+//! The report that builds of single tiles share: each build replaces its own entries and keeps those of the others.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use serde_json::{Map, Value as Json, json};
 
 use crate::files::Tile;
 
-/// The part of a cut terrain that one build makes.
+/// The outputs and tiles that one build of a part makes.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     /// The outputs.
@@ -15,7 +15,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Whether an entry of a report speaks of an output on a tile of this part.
+    /// Whether an entry of a report is about an output on a tile of this part.
     fn holds(&self, entry: &Json) -> bool {
         let name = entry["name"].as_str().or(entry["output"].as_str()).unwrap_or_default();
         let of = |tile: &Tile| entry["tile"]["col"] == tile.col && entry["tile"]["row"] == tile.row;
@@ -23,12 +23,12 @@ impl Part {
     }
 }
 
-/// Whether a report is one of the same build, of another part of it.
+/// Whether a report is of the same build, and thus of another part of it.
 pub(super) fn is_same_build(report: &Map<String, Json>, head: &Map<String, Json>) -> bool {
     head.get("build_key").is_some_and(|key| report.get("build_key") == Some(key))
 }
 
-/// The report of the other parts alone; none where there is nothing in it.
+/// The report without the entries of a part; `None` where nothing remains.
 pub(super) fn without(mut report: Map<String, Json>, part: &Part) -> Option<Map<String, Json>> {
     let mut left = 0;
     for list in ["outputs", "failures"] {
@@ -41,14 +41,14 @@ pub(super) fn without(mut report: Map<String, Json>, part: &Part) -> Option<Map<
     (left > 0).then_some(report)
 }
 
-/// The report of what two builds of parts did together.
+/// The common report of two builds of parts.
 pub(super) fn merged(other: Map<String, Json>, mut own: Map<String, Json>, part: &Part) -> Map<String, Json> {
     let Some(other) = without(other, part) else { return own };
     let list = |map: &Map<String, Json>, key: &str| map.get(key).and_then(Json::as_array).cloned();
     for key in ["outputs", "failures"] {
         let mut all: Vec<Json> =
             [list(&other, key), list(&own, key)].into_iter().flatten().flatten().collect();
-        // In the order of one build of all tiles; the outputs of a tile keep theirs.
+        // The order is that of one build of all tiles; the outputs of a tile stay in their order.
         all.sort_by_key(|entry| (entry["tile"]["row"].as_u64(), entry["tile"]["col"].as_u64()));
         own.insert(key.to_owned(), all.into());
     }
@@ -69,7 +69,7 @@ pub(super) fn merged(other: Map<String, Json>, mut own: Map<String, Json>, part:
     own
 }
 
-/// What nodes did in all parts together.
+/// The totals of the nodes over all parts.
 fn nodes_together(entries: impl Iterator<Item = Json>) -> Vec<Json> {
     let mut nodes: BTreeMap<(String, String), Json> = BTreeMap::new();
     for entry in entries {
@@ -95,7 +95,7 @@ fn number(map: &Map<String, Json>, key: &str) -> f64 {
     map.get(key).and_then(Json::as_f64).unwrap_or_default()
 }
 
-/// Brings the status up to the failures, and the count of tiles up to the outputs.
+/// Sets the status by the failures, and the number of tiles by the outputs.
 pub(super) fn settle(report: &mut Map<String, Json>) {
     let done = report.get("failures").and_then(Json::as_array).is_none_or(Vec::is_empty);
     report.insert("status".to_owned(), json!(if done { "done" } else { "failed" }));

@@ -1,4 +1,4 @@
-//! Whose sidecars may be replaced: that of the very file that is written, and no other's unasked.
+//! Protection of sidecars: a command replaces the sidecar of the file it writes, and no other without `--overwrite`.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use crate::files::{LONGEST_SIDECAR, Owner, sidecar_name};
 
 /// Refuses to write the sidecar of a file over another file's, over that of an input, or over the file itself.
 ///
-/// `inputs` are the files that are read. Their sidecars are never written, whatever else the user says.
+/// `inputs` are the files that are read; their sidecars are never overwritten.
 pub(super) fn spare_sidecars(file: &Path, inputs: &[PathBuf], overwrite: bool) -> Result<(), Stop> {
     let (sidecar, name) = (sidecar_of(file), name_of(file));
     if same_path(&sidecar, file) {
@@ -52,7 +52,7 @@ pub(super) fn spare_sidecars(file: &Path, inputs: &[PathBuf], overwrite: bool) -
     )))
 }
 
-/// Refuses to draw a picture over a file that its sidecar says holds heights.
+/// Refuses to write a picture over a file that holds heights according to its sidecar.
 pub(super) fn spare_heights(picture: &Path, overwrite: bool) -> Result<(), Stop> {
     let name = name_of(picture);
     let is_there = !overwrite && picture.symlink_metadata().is_ok();
@@ -66,7 +66,7 @@ pub(super) fn spare_heights(picture: &Path, overwrite: bool) -> Result<(), Stop>
     Ok(())
 }
 
-/// The name of the file that a sidecar in a folder belongs to, where that is another one than `file` and is there.
+/// The name of the file to which the sidecar of `file` belongs, where this is another file that exists.
 pub(super) fn other_owner(folder: &Path, file: &str) -> Option<String> {
     let json = contents(&folder.join(sidecar_name(file)))?;
     match Owner::of(&json, file) {
@@ -95,7 +95,7 @@ fn name_of(file: &Path) -> String {
     file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// Whether two paths, the last parts of which need not exist, name one place.
+/// Whether two paths are the same place; their last parts need not exist.
 fn same_path(a: &Path, b: &Path) -> bool {
     let whole = |p: &Path| {
         p.canonicalize().ok().or_else(|| {

@@ -18,18 +18,18 @@ pub(super) struct TileArgs {
 }
 
 impl TileArgs {
-    /// Whether the terrain is cut, be it into one tile.
+    /// Whether the terrain is cut, even if into a single tile.
     pub(super) fn is_cut(&self) -> bool {
         self.tiles.is_some() || self.tile_size.is_some()
     }
 
-    /// Whether only some tiles are built, as by one process a tile.
+    /// Whether only some of the tiles are built.
     pub(super) fn is_part(&self) -> bool {
         !self.tile.is_empty()
     }
 }
 
-/// The tiles to build; one that is the whole window when nothing else was said.
+/// The tiles to build; without options, one tile that is the whole window.
 pub(super) fn tiles(args: &TileArgs, window: &Grid) -> Result<Vec<Tile>, Stop> {
     if args.is_part() && !args.is_cut() {
         return Err(Stop::usage("--tile names a tile of a cut; say --tiles NxM or --tile-size N with it"));
@@ -80,7 +80,7 @@ fn pair(text: &str, separator: char) -> Option<[u64; 2]> {
     Some([a.trim().parse().ok()?, b.trim().parse().ok()?])
 }
 
-/// Says which cuts would be even.
+/// The message that a cut is uneven, with cuts that are even.
 fn uneven(axis: usize, steps: u64, count: u64, side: Option<u64>) -> String {
     let name = ["columns", "rows"][axis];
     let near = |wanted: u64| {

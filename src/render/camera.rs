@@ -1,4 +1,4 @@
-//! Where a perspective is seen from.
+//! The camera of a perspective.
 
 use super::sky::{Direction, dot};
 use super::surface::Surface;
@@ -46,7 +46,7 @@ pub struct Camera {
     pub width: usize,
     /// Rows of the picture.
     pub height: usize,
-    /// What lies where the terrain ends.
+    /// What is drawn beyond the border of the terrain.
     pub edge: Edge,
 }
 
@@ -66,7 +66,7 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// Refuses what cannot be seen from.
+    /// Refuses a camera with a setting out of range.
     pub(super) fn check(&self) -> Result<()> {
         picture_side("width", self.width)?;
         picture_side("height", self.height)?;

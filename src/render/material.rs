@@ -2,7 +2,7 @@
 
 use super::plane::Plane;
 use super::surface::Surface;
-use super::{Palette, Scene};
+use super::{GroundPalette, Scene};
 use crate::kit::color::linear_from_srgb;
 use crate::kit::hash;
 use crate::kit::ramp::{Blend, Ramp, satellite};
@@ -12,7 +12,7 @@ use crate::work::Work;
 /// Relief, in metres, below which highlands are drawn without snow, and above which with all of it: a hill of
 /// 100 m has a top, but no snow line.
 const SNOW_RELIEF: [f32; 2] = [400.0, 1100.0];
-/// The clay of [`Palette::Clay`], linear.
+/// The clay of [`GroundPalette::Clay`], linear.
 const CLAY: [f32; 3] = [0.52, 0.48, 0.435];
 
 /// The ground of a scene: its colour anywhere.
@@ -41,9 +41,9 @@ impl<'a> Material<'a> {
     pub(super) fn new(scene: &Scene<'_>, surface: &'a Surface, work: &Work<'_>) -> Result<Self> {
         let paint = match &scene.palette {
             _ if surface.color.is_some() => Paint::Own,
-            Palette::Satellite => Paint::Satellite,
-            Palette::Clay => Paint::Clay,
-            Palette::Ramp(palette) => Paint::Ramp(Ramp::of(palette, Blend::Smooth)),
+            GroundPalette::Satellite => Paint::Satellite,
+            GroundPalette::Clay => Paint::Clay,
+            GroundPalette::Ramp(palette) => Paint::Ramp(Ramp::of(palette, Blend::Smooth)),
         };
         let (low, high) = land_range(surface);
         let relief = (high - low) / surface.exaggeration;

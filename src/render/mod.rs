@@ -1,14 +1,14 @@
 //! Shaded pictures of terrain, on the CPU: a [`map`] from above, a [`perspective`] view, a small [`thumbnail`].
 //!
-//! All light is computed in linear RGB. The way of a picture:
+//! All light is computed in linear RGB. A picture is made in five steps:
 //!
 //! 1. *Surface*: the field is brought to the working grid (averaged where the picture is smaller, spline where
 //!    it is larger) and scaled by the exaggeration.
 //! 2. *Horizons*: sweeps along straight lines keep the convex hull of what lies towards the light and give each
 //!    sample the elevation of its horizon, in the direction of the sun (cast shadows with penumbra) and in
 //!    sixteen more (the share of the sky that it sees) \[timonen2010\], \[dozier1990\].
-//! 3. *Light*: sun and sky come from one single-scattering atmosphere; material colour times light gives what
-//!    each sample sends out. The map is this, averaged to pixels.
+//! 3. *Light*: sun and sky come from one single-scattering atmosphere; the colour of the ground times this light is
+//!    the light that a sample emits. A map is this light, averaged to pixels.
 //! 4. *Rays* (perspective only): rays walk a pyramid of maxima down to bilinear patches, so that silhouettes are
 //!    exact; water, cut sides, ground and air are added along the way.
 //! 5. *Film*: exposure, a filmic curve, the sRGB encoding.
@@ -43,9 +43,9 @@ use crate::kit::ramp;
 use crate::node::{Error, Result};
 use crate::value::{Colors, Field};
 
-/// Most pixels along a side of a picture.
+/// The most pixels along a side of a picture.
 pub const MAX_PIXELS: usize = 16_384;
-/// Most samples along a side of the grid that light is computed on.
+/// The most samples along a side of the grid on which light is computed.
 const MAX_WORK: usize = 4096;
 
 /// Where the sun stands.
@@ -57,19 +57,19 @@ pub struct Sun {
     pub altitude: f64,
 }
 
-/// How the ground is coloured where the scene has no colours of its own.
+/// The colours of the ground where the scene has none of its own.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub enum Palette {
+pub enum GroundPalette {
     /// Woods, meadows, rock and snow by height, slope and shelter: a temperate mountain land from above.
     #[default]
     Satellite,
-    /// One warm light grey: shape and nothing else.
+    /// One warm light grey, which shows only the shape.
     Clay,
     /// A ramp from the lowest to the highest land.
     Ramp(ramp::Palette),
 }
 
-impl Palette {
+impl GroundPalette {
     /// The palette of a name: `satellite`, `clay` or one of [`ramp::Palette::BUILTIN`]; `None` when there is none.
     pub fn named(name: &str) -> Option<Self> {
         match name {
@@ -89,21 +89,21 @@ impl Palette {
     }
 }
 
-/// What is drawn, and under which light.
+/// A terrain with its light and the options of the picture.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
     /// Elevation, in metres.
     pub height: &'a Field,
-    /// Colour of the ground, sRGB from 0 to 1, on the grid of `height`; the palette where there is none.
+    /// Colour of the ground, sRGB from 0 to 1, on the grid of `height`; `None` for the colours of the palette.
     pub color: Option<&'a Colors>,
     /// Height of the water, in metres; ground at or below it is under water.
     pub sea_level: Option<f64>,
-    /// Where the sun stands.
+    /// The direction of the sun.
     pub sun: Sun,
     /// Factor on heights, 0.01 to 1000; colours still follow the true slope.
     pub exaggeration: f64,
     /// Colours of the ground.
-    pub palette: Palette,
+    pub palette: GroundPalette,
     /// Depth of the cast shadows, 0 (none) to 1.
     pub shadow: f64,
     /// Thickness of the air in a perspective, 0 (none) to 10; 1 suits the size of the terrain.
@@ -123,7 +123,7 @@ impl<'a> Scene<'a> {
             sea_level: None,
             sun: Sun { azimuth: 315.0, altitude: 35.0 },
             exaggeration: 1.0,
-            palette: Palette::default(),
+            palette: GroundPalette::default(),
             shadow: 1.0,
             haze: 1.0,
             exposure: 0.0,
@@ -131,7 +131,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Refuses what cannot be drawn.
+    /// Refuses a scene that cannot be drawn.
     fn check(&self) -> Result<()> {
         let grid = self.height.grid();
         if grid.cols < 2 || grid.rows < 2 {

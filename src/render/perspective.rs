@@ -1,4 +1,4 @@
-//! The terrain as a camera sees it.
+//! Perspective views of a terrain.
 
 use super::block::{Block, mix};
 use super::camera::{Camera, Edge, Eye};
@@ -19,13 +19,13 @@ const HAZE: [f64; 3] = [0.20, 0.27, 0.38];
 const HAZE_HEIGHT: f64 = 0.10;
 /// How far the land goes on where it fades into haze, as a share of the longer side.
 pub(super) const MARGIN: f64 = 0.35;
-/// Contrast within a pixel above which it is looked at more closely, in light of the screen.
+/// Contrast within a pixel, in light of the screen, above which it gets more rays.
 const CONTRAST: f32 = 0.05;
 /// Radius of the sun as it blurs the block's shadow on the floor, in radians.
 const SUN_RADIUS: f64 = 0.022;
-/// Variance of the slopes of waves: how far the glitter of the sun spreads.
+/// Variance of the slopes of waves, on which the spread of the sun's glitter depends.
 const WAVES: f64 = 0.012;
-/// How far waves tilt the mirror at most.
+/// The greatest tilt of the water's normal by waves.
 const WAVE_TILT: f64 = 0.016;
 
 /// Draws the terrain as a camera sees it: sun, cast shadows, sky, haze, water with reflections.
@@ -53,7 +53,7 @@ pub fn perspective(scene: &Scene<'_>, camera: &Camera, work: &Work<'_>) -> Resul
     };
     let sky = Sky::new(scene.sun, scene.exposure);
     let lit = Lit::new(scene, &surface, &sky, &work.stage(0.05, 0.45))?;
-    let view = View::new(scene, camera, &surface, &sky, lit, &work.stage(0.45, 0.55))?;
+    let view = Perspective::new(scene, camera, &surface, &sky, lit, &work.stage(0.45, 0.55))?;
     let mut rgb = vec![[0; 3]; camera.width * camera.height];
     work.stage(0.55, 1.0).rows(&mut rgb, camera.width, 1, |row, out| {
         for (column, out) in out.iter_mut().enumerate() {
@@ -68,8 +68,8 @@ pub(super) fn longest(camera: &Camera) -> usize {
     (3 * camera.width.max(camera.height)).max(1024)
 }
 
-/// All that a ray may meet.
-struct View<'a> {
+/// The scene with everything that a ray can hit.
+struct Perspective<'a> {
     surface: &'a Surface,
     tracer: Tracer<'a>,
     /// The light that the ground sends out, and that light averaged over 2 x 2, 4 x 4 … samples.
@@ -86,7 +86,7 @@ struct View<'a> {
     longer: f64,
 }
 
-impl<'a> View<'a> {
+impl<'a> Perspective<'a> {
     fn new(
         scene: &Scene<'_>,
         camera: &Camera,
@@ -132,7 +132,7 @@ impl<'a> View<'a> {
         })
     }
 
-    /// The light of a pixel on the screen.
+    /// The light of a pixel.
     fn pixel(&self, column: usize, row: usize) -> [f32; 3] {
         // Sixteen places in a 4 x 4 net; the first four have one in each row and each column.
         const ORDER: [usize; 16] = [1, 7, 8, 14, 0, 2, 3, 4, 5, 6, 9, 10, 11, 12, 13, 15];
@@ -213,7 +213,7 @@ impl<'a> View<'a> {
         (ray.direction[2] < 0.0 && t > 0.0).then_some(t)
     }
 
-    /// What the ground sends out where a ray meets it, at the sharpness of the ray.
+    /// The light of the ground where a ray hits it, averaged over the width of the ray.
     fn ground(&self, ray: &Ray, hit: Hit) -> [f32; 3] {
         let (i, j) = (hit.u.round() as usize, hit.v.round() as usize);
         let z = &self.surface.z;
@@ -236,7 +236,7 @@ impl<'a> View<'a> {
         if share == 0.0 { read(k) } else { mix(read(k), read((k + 1).min(self.light.len() - 1)), share) }
     }
 
-    /// What water sends to a ray that meets it at a distance.
+    /// The light of the water where a ray hits it at a distance.
     fn water(&self, ray: &Ray, t: f64, tilt: [f64; 2]) -> [f32; 3] {
         let p = ray.at(t);
         let [u, v] = [p[0] / self.surface.cell, p[1] / self.surface.cell];

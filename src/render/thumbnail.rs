@@ -3,9 +3,9 @@
 use super::picture::Picture;
 use super::plane::resampled;
 use super::surface::working_grid;
-use super::{Palette, Scene, map, picture_side, sketch};
+use super::{GroundPalette, Scene, map, picture_side, sketch};
 use crate::context::Cancel;
-use crate::kit::ramp::{Blend, Palette as Colours, Ramp};
+use crate::kit::ramp::{Blend, Palette, Ramp};
 use crate::node::{Error, Result};
 use crate::value::{Field, Quantity, Value};
 use crate::work::Work;
@@ -34,7 +34,7 @@ pub fn thumbnail(value: &Value, side: usize, cancel: &Cancel) -> Result<Picture>
             _ => {
                 let (low, high) = field.range().unwrap_or((0.0, 1.0));
                 let scale = if high > low { 1.0 / (high - low) } else { 0.0 };
-                let ramp = Ramp::of(&Colours::Viridis, Blend::Smooth);
+                let ramp = Ramp::of(&Palette::Viridis, Blend::Smooth);
                 flat(field, side, &work, |x| ramp.color((x - low) * scale))
             }
         },
@@ -57,7 +57,7 @@ fn relief(field: &Field, side: usize, work: &Work<'_>) -> Result<Picture> {
     let relief = f64::from(high - low) / extent;
     let exaggeration = if relief > 0.0 { (RELIEF / relief).clamp(1.0, 1000.0) } else { 1.0 };
     let [width, _] = working_grid([grid.cols, grid.rows], side);
-    let palette = Palette::Ramp(Colours::Hypsometric);
+    let palette = GroundPalette::Ramp(Palette::Hypsometric);
     map(&Scene { exaggeration, palette, ..Scene::new(field) }, Some(width), work)
 }
 

@@ -2,7 +2,7 @@
 
 use orograph::context::Cancel;
 use orograph::node::Error;
-use orograph::render::{Camera, Edge, Palette, Picture, Scene, Sun, map, perspective, thumbnail};
+use orograph::render::{Camera, Edge, GroundPalette, Picture, Scene, Sun, map, perspective, thumbnail};
 use orograph::value::{Colors, Field, Grid, Lattice, Quantity, Value, Vectors};
 use orograph::work::Work;
 
@@ -33,7 +33,7 @@ fn seen(scene: &Scene<'_>, camera: &Camera) -> Picture {
 }
 
 fn clay(height: &Field, azimuth: f64, altitude: f64) -> Scene<'_> {
-    Scene { palette: Palette::Clay, sun: Sun { azimuth, altitude }, ..Scene::new(height) }
+    Scene { palette: GroundPalette::Clay, sun: Sun { azimuth, altitude }, ..Scene::new(height) }
 }
 
 fn light([r, g, b]: [u8; 3]) -> i32 {
@@ -365,9 +365,9 @@ fn thumbnails_show_any_value() {
 
 #[test]
 fn every_palette_has_a_name() {
-    for name in Palette::names() {
-        assert!(Palette::named(name).is_some(), "{name}");
+    for name in GroundPalette::names() {
+        assert!(GroundPalette::named(name).is_some(), "{name}");
     }
-    assert_eq!(Palette::named("plaid"), None);
+    assert_eq!(GroundPalette::named("plaid"), None);
     assert_eq!((Edge::named("haze"), Edge::named("moat")), (Some(Edge::Haze), None));
 }
