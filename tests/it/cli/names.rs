@@ -1,6 +1,8 @@
 //! Names of files: those of other systems, those through `..`, those that are no text.
 
-use super::*;
+use serde_json::json;
+
+use super::{Desk, code, height, orograph, run, said, text};
 
 #[cfg(unix)]
 #[test]

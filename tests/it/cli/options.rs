@@ -1,6 +1,8 @@
 //! Options and formats: what contradicts, or would be ignored, is refused.
 
-use super::*;
+use serde_json::Value as Json;
+
+use super::{Desk, code, height, orograph, run, said, text};
 
 #[test]
 fn what_is_wrong_with_the_command_line_is_json_where_json_is_asked_for() {
