@@ -76,7 +76,7 @@ fn heights(bencher: Bencher<'_, '_>, spacing: f64) {
 #[divan::bench(args = SPACINGS, max_time = 10)]
 fn to_ridges(bencher: Bencher<'_, '_>, spacing: f64) {
     let vertices = filled(spacing);
-    let heights = Heights { rise: 0.5, reach: 600.0, rounds: 2 };
+    let heights = Heights { rise: 0.5, reach: 600.0, rounds: 2, detour: 1.3 };
     bencher
         .counter(ItemsCount::new(vertices.len()))
         .bench(|| ridges(&vertices, SQUARE, heights, &Work::default()).expect("nobody stops it").edges.len());

@@ -12,6 +12,9 @@ use crate::value::Bounds;
 /// (4): their places are the corners of its Delaunay triangle. The rise levels off, `rise · reach · (1 - exp(-d / reach))`,
 /// so that wide land is no spike. Then heights are smoothed along the ridges, never below the rivers beside them.
 ///
+/// No ridge stands inside the bend of a river: where the way along the rivers from one side to the other is shorter than
+/// `detour` times the straight one.
+///
 /// The order of a ridge is the lower of the Strahler orders that the two rivers have where they meet: 1 between two
 /// sources, high on a main divide.
 ///
@@ -37,11 +40,15 @@ pub struct VoronoiRidges {
     /// Rounds of smoothing along ridges.
     #[schemars(range(min = 0, max = 50), extend("x-unit" = "1"))]
     pub smooth: u32,
+    /// Between two places of one network there is a ridge where the way from one to the other along the rivers is this many
+    /// times as long as the straight one. 1 gives every bend of a river a spur of its own.
+    #[schemars(range(min = 1.0, max = 10.0), extend("x-soft" = [1.0, 2.0]))]
+    pub detour: Number,
 }
 
 impl Default for VoronoiRidges {
     fn default() -> Self {
-        Self { rise: Number(0.5), reach: Metres(600.0), smooth: 2 }
+        Self { rise: Number(0.5), reach: Metres(600.0), smooth: 2, detour: Number(1.3) }
     }
 }
 
@@ -84,7 +91,8 @@ impl Node for VoronoiRidges {
         let terrain = cx.terrain()?.bounds();
         let places = rivers.vertices().iter().map(|vertex| vertex.at);
         let bounds = Bounds::around(places.chain([terrain.min, terrain.max])).unwrap_or(terrain);
-        let heights = Heights { rise: self.rise.0, reach: self.reach.0, rounds: self.smooth };
+        let heights =
+            Heights { rise: self.rise.0, reach: self.reach.0, rounds: self.smooth, detour: self.detour.0 };
         let found = ridges(rivers.vertices(), bounds, heights, &cx.work)?;
         let wrong = |fault: crate::value::RidgeFault| Error::Output {
             port: "ridges".into(),

@@ -39,10 +39,27 @@ impl<'a> Meetings<'a> {
 
     /// The lower of the Strahler orders that the rivers of two vertices have where they meet: those of the links that join
     /// there, or of a vertex itself that the other drains through. Of two that do not meet, at their outlets.
-    pub fn order(&self, [a, b]: [usize; 2]) -> u8 {
+    pub fn order(&self, pair: [usize; 2]) -> u8 {
         let order = |i: usize| self.vertices[i].order;
+        let Some((meeting, ways)) = self.meet(pair) else {
+            let [a, b] = pair.map(|i| order(self.outlet[i] as usize));
+            return a.min(b);
+        };
+        let came = |(at, link): (usize, usize)| {
+            order(if at == meeting { link } else { self.upper[meeting] as usize })
+        };
+        came(ways[0]).min(came(ways[1]))
+    }
+
+    /// The vertex where the rivers of two vertices meet; none of two that do not.
+    pub fn meeting(&self, pair: [usize; 2]) -> Option<usize> {
+        self.meet(pair).map(|(meeting, _)| meeting)
+    }
+
+    /// The vertex where two meet, and where on its path each came to the path of the meeting, by which link.
+    fn meet(&self, [a, b]: [usize; 2]) -> Option<(usize, [(usize, usize); 2])> {
         if self.outlet[a] != self.outlet[b] {
-            return order(self.outlet[a] as usize).min(order(self.outlet[b] as usize));
+            return None;
         }
         // Where each is on its way down, and the link by which it came there.
         let mut ways = [(a, a), (b, b)];
@@ -57,10 +74,6 @@ impl<'a> Meetings<'a> {
                 None => break,
             }
         }
-        let meeting = ways[0].0.min(ways[1].0);
-        let came = |(at, link): (usize, usize)| {
-            order(if at == meeting { link } else { self.upper[meeting] as usize })
-        };
-        came(ways[0]).min(came(ways[1]))
+        Some((ways[0].0.min(ways[1].0), ways))
     }
 }

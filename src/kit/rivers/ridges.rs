@@ -5,7 +5,7 @@
 //! for.
 //!
 //! # Differs from the paper
-//! The height of a ridge over the rivers, α·d, levels off at some distance; edges are clipped to a rectangle; heights are
+//! Inside the bends of a river there are no ridges. The height of a ridge over the rivers, α·d, levels off at some distance; edges are clipped to a rectangle; heights are
 //! smoothed along ridges, and stay above the rivers beside them.
 
 use super::meeting::Meetings;
@@ -29,6 +29,9 @@ pub struct Heights {
     pub reach: f64,
     /// Rounds of smoothing along ridges.
     pub rounds: u32,
+    /// An edge that parts two places of one network is a ridge where the way from one to the other along the rivers is this
+    /// many times as long as the straight one: inside a bend there is none.
+    pub detour: f64,
 }
 
 /// Vertices and edges of ridges.
@@ -220,6 +223,13 @@ impl<'a> Corners<'a> {
     fn ridges(&self, heights: Heights, work: &Work<'_>) -> Result<Found, Cancelled> {
         let kept: Vec<&Divide> = self.divides.iter().filter(|divide| !divide.is_cut).collect();
         let meetings = Meetings::of(self.rivers);
+        let lengths = lengths(self.rivers);
+        let is_bend = |pair: [usize; 2]| {
+            let Some(meeting) = meetings.meeting(pair) else { return false };
+            let [a, b] = pair.map(|i| self.rivers[i].at);
+            let way = lengths[pair[0]] + lengths[pair[1]] - 2.0 * lengths[meeting];
+            way < heights.detour * libm::hypot(a[0] - b[0], a[1] - b[1])
+        };
         let beds = self.highest_beds();
         let mut number = vec![NONE; self.centres.len() + self.border.len()];
         let mut found = Found { vertices: Vec::new(), edges: Vec::with_capacity(kept.len()) };
@@ -231,6 +241,9 @@ impl<'a> Corners<'a> {
             }
             let edge = divide.edge as usize;
             let rivers = [self.net.origin(edge), self.net.end(edge)];
+            if is_bend(rivers.map(|i| i as usize)) {
+                continue;
+            }
             let ends = divide.ends.map(|end| {
                 let slot = &mut number[end as usize];
                 if *slot == NONE {
@@ -278,6 +291,19 @@ impl<'a> Corners<'a> {
         let over = heights.rise * heights.reach * (1.0 - libm::exp(-distance / heights.reach));
         (RidgeVertex { at, height: (floor + over).min(MAX_HEIGHT) }, floor)
     }
+}
+
+/// The length of the way from each vertex to its outlet.
+fn lengths(rivers: &[RiverVertex]) -> Vec<f64> {
+    let mut lengths = Vec::with_capacity(rivers.len());
+    for vertex in rivers {
+        let length = vertex.down.map_or(0.0, |down| {
+            let [a, b] = [vertex.at, rivers[down as usize].at];
+            lengths[down as usize] + libm::hypot(a[0] - b[0], a[1] - b[1])
+        });
+        lengths.push(length);
+    }
+    lengths
 }
 
 /// The share of a link after which it leaves the cell of a site for that of another; none where it runs from the other to

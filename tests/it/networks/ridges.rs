@@ -12,7 +12,7 @@ use proptest::prelude::*;
 
 use super::{LINE, SQUARE, grow, growth, link_grid, rivers, seeds, segment};
 
-const HEIGHTS: Heights = Heights { rise: 0.5, reach: 600.0, rounds: 2 };
+const HEIGHTS: Heights = Heights { rise: 0.5, reach: 600.0, rounds: 2, detour: 0.0 };
 
 /// A network with infill, areas and beds.
 fn network(seed: u64) -> Vec<RiverVertex> {
@@ -176,4 +176,29 @@ proptest! {
         prop_assert_eq!(crossed.count(), 0);
         Ridges::new(found.vertices, found.edges).unwrap();
     }
+}
+
+/// A river that winds has no spurs inside its bends, and a tributary still has a divide.
+#[test]
+fn bends_have_no_ridges_and_junctions_have() {
+    let vertex = |x: f64, y: f64, down: Option<u32>| RiverVertex {
+        at: [x, y],
+        down,
+        height: y / 50.0,
+        ..RiverVertex::default()
+    };
+    let mut all = vec![vertex(0.0, 0.0, None)];
+    for k in 1..20 {
+        let x = if k % 2 == 0 { 0.0 } else { 60.0 };
+        all.push(vertex(x, 100.0 * f64::from(k), Some(k as u32 - 1)));
+    }
+    let bounds = Bounds { min: [-1000.0, -200.0], max: [1000.0, 2200.0] };
+    let of = |all: &[RiverVertex], detour: f64| {
+        ridges(all, bounds, Heights { detour, ..HEIGHTS }, &Work::default()).unwrap().edges.len()
+    };
+    assert!(of(&all, 1.0) > 10, "the diagram has an edge inside every bend: {}", of(&all, 1.0));
+    assert_eq!(of(&all, 1.3), 0);
+    all.push(vertex(400.0, 1300.0, Some(10)));
+    all.push(vertex(700.0, 1500.0, Some(20)));
+    assert!(of(&all, 1.3) > 0, "a divide between the river and its tributary");
 }
