@@ -64,27 +64,45 @@ impl Delaunay {
     /// # Errors
     /// [`Cancelled`] when the work was asked to stop.
     pub fn new(sites: &[Point], bounds: Bounds, work: &Work<'_>) -> Result<Self, Cancelled> {
-        let rounded = |x: f64| nearest_whole(x * STEPS) / STEPS;
-        let mut points: Vec<Point> = sites.iter().map(|site| site.map(rounded)).collect();
-        points.extend(far_corners(sites, bounds));
-        let n = sites.len() as u32;
-        let mut net =
-            Self { points, corners: vec![n, n + 1, n + 2], twins: vec![NONE; 3], same: (0..n).collect() };
-        net.corners.reserve(6 * sites.len());
-        net.twins.reserve(6 * sites.len());
-        let order = insertion_order(&net.points[..sites.len()]);
-        work.check()?;
-        let mut near = 0;
-        let mut open = Vec::new();
+        let all = Bounds::around(sites.iter().copied().chain([bounds.min, bounds.max])).unwrap_or(bounds);
+        let mut net = Self {
+            points: far_corners(all).to_vec(),
+            corners: vec![0, 1, 2],
+            twins: vec![NONE; 3],
+            same: Vec::new(),
+        };
+        net.extend(sites, work)?;
+        Ok(net)
+    }
+
+    /// Adds sites, whose numbers go on from those that are there. They must lie among these or in the bounds that the
+    /// triangulation was made for.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the work was asked to stop; what is left is a triangulation of some of the sites.
+    pub fn extend(&mut self, sites: &[Point], work: &Work<'_>) -> Result<(), Cancelled> {
+        let (before, added) = (self.sites(), sites.len() as u32);
+        let far = self.points.split_off(before);
+        self.points.extend(sites.iter().map(|site| site.map(|x| nearest_whole(x * STEPS) / STEPS)));
+        let order = insertion_order(&self.points[before..]);
+        self.points.extend(far);
+        self.same.extend(before as u32..before as u32 + added);
+        // Far corners have the last numbers.
+        for corner in self.corners.iter_mut().filter(|corner| **corner as usize >= before) {
+            *corner += added;
+        }
+        self.corners.reserve(6 * sites.len());
+        self.twins.reserve(6 * sites.len());
+        let (mut near, mut open) = (0, Vec::new());
         for (done, &site) in order.iter().enumerate() {
             if done % LOOK == 0 {
                 work.step(done as f32 / order.len() as f32)?;
             }
-            near = net.insert(site, near, &mut open);
+            near = self.insert(before as u32 + site, near, &mut open);
         }
         // Whichever came first, the site of the smallest number stands for its place.
-        net.name_smallest();
-        Ok(net)
+        self.name_smallest();
+        Ok(())
     }
 
     /// Number of sites.
@@ -261,10 +279,8 @@ impl Delaunay {
     }
 }
 
-/// Three places far around sites and bounds.
-fn far_corners(sites: &[Point], bounds: Bounds) -> [Point; 3] {
-    let all = sites.iter().copied().chain([bounds.min, bounds.max]);
-    let Bounds { min, max } = Bounds::around(all).unwrap_or(bounds);
+/// Three places far around a rectangle.
+fn far_corners(Bounds { min, max }: Bounds) -> [Point; 3] {
     let half = ((max[0] - min[0]).max(max[1] - min[1]) / 2.0).max(1.0);
     let at =
         |x: f64, y: f64| [(min[0] + max[0]) / 2.0 + x * FAR * half, (min[1] + max[1]) / 2.0 + y * FAR * half];

@@ -92,7 +92,7 @@ impl Infill {
         sites.extend(land.border());
         let roots = sites.len();
         sites.extend(land.lattice(work)?);
-        let net = land.without_gaps(&mut sites, &work.stage(0.0, 0.5))?;
+        let net = land.without_gaps(&sites, &work.stage(0.0, 0.5))?;
         let rise = mean_slope(&given);
         let mut tree = Tree { land: &land, net: &net, given: &given, roots, rise, filled: Filled::default() };
         tree.grow(&work.stage(0.5, 1.0))?;
@@ -217,18 +217,17 @@ impl<'a> Land<'a> {
         Ok(rows.collect::<Result<Vec<_>, Cancelled>>()?.concat())
     }
 
-    /// The triangulation of sites, with sites added where a place would be farther than the spacing from all.
-    fn without_gaps(&self, sites: &mut Vec<Point>, work: &Work<'_>) -> Result<Delaunay, Cancelled> {
-        for round in 0..ROUNDS {
-            let share = |round: u32| round as f32 / ROUNDS as f32;
-            let net = Delaunay::new(sites, self.all, &work.stage(share(round), share(round + 1)))?;
-            let gaps = if round + 1 < ROUNDS { self.gaps(&net, work)? } else { Vec::new() };
+    /// The triangulation of sites and of those that are added where a place would be farther than the spacing from all.
+    fn without_gaps(&self, sites: &[Point], work: &Work<'_>) -> Result<Delaunay, Cancelled> {
+        let mut net = Delaunay::new(sites, self.all, &work.stage(0.0, 0.7))?;
+        for _ in 0..ROUNDS {
+            let gaps = self.gaps(&net, work)?;
             if gaps.is_empty() {
-                return Ok(net);
+                break;
             }
-            sites.extend(gaps);
+            net.extend(&gaps, &work.stage(0.7, 1.0))?;
         }
-        Delaunay::new(sites, self.all, work)
+        Ok(net)
     }
 
     /// Middles of places without a site or a river, one for each place.

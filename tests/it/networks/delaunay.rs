@@ -125,6 +125,21 @@ fn many_sites_have_triangles_that_are_delaunay_beside_their_neighbours() {
 }
 
 #[test]
+fn triangulations_grow_by_further_sites() {
+    // Further sites among the first, and some on them.
+    let first: Vec<Point> = (0..50).map(|i| [200.0 * unit(7, i), 100.0 * unit(8, i)]).collect();
+    let further: Vec<Point> = (0..40)
+        .map(|i| [200.0 * unit(9, i), 100.0 * unit(10, i)])
+        .chain(first[3..9].iter().copied())
+        .collect();
+    let mut net = triangulation(&first);
+    net.extend(&further, &Work::default()).unwrap();
+    let all: Vec<Point> = first.into_iter().chain(further).collect();
+    check(&net, &all);
+    assert_eq!((net.sites(), net.same(90)), (96, 3));
+}
+
+#[test]
 fn triangulation_stops_when_asked() {
     let cancel = Cancel::default();
     cancel.cancel();
