@@ -133,8 +133,10 @@ impl Node for FlowRouting {
             }
         };
         let cell = cx.grid.cell() * cx.grid.cell();
-        let area = sum(&cx.stage(0.25, 0.5), &|_| cell)?;
-        let area = field(&cx.stage(0.5, 0.52), Quantity::Area, |i| area[i])?;
+        let area = {
+            let area = sum(&cx.stage(0.25, 0.5), &|_| cell)?;
+            field(&cx.stage(0.5, 0.52), Quantity::Area, |i| area[i])?
+        };
         let flow = {
             let factor = self.rain.0 * PER_MILLIMETRE * cell;
             let share = |i: usize| moisture.as_ref().map_or(1.0, |field| f64::from(field.data()[i]).max(0.0));

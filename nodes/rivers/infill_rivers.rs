@@ -52,7 +52,7 @@ ports! {
         rivers: Rivers,
     }
     pub struct Outputs {
-        /// The rivers, then those that were added.
+        /// The rivers and those that were added.
         rivers: Rivers,
     }
 }
@@ -70,8 +70,9 @@ impl Node for InfillRivers {
     }
 
     fn cost(&self, load: &Load<'_>) -> Cost {
-        let added = self.infill(load.terrain, 0).vertices().min(network::MAX_LINKS);
-        network::cost(added + network::vertices(load), 500.0, 14.0)
+        let rivers = load.object::<Rivers>("rivers").unwrap_or_default();
+        let most = self.infill(load.terrain, 0).vertices(rivers.vertices()).min(network::MAX_LINKS);
+        network::cost(most, 500.0, 14.0)
     }
 
     fn run(&self, cx: &Context<'_>, Inputs { rivers }: Inputs) -> Result<Outputs> {
@@ -79,7 +80,7 @@ impl Node for InfillRivers {
             return Ok(Outputs { rivers });
         }
         let infill = self.infill(cx.terrain()?, cx.seed(self.seed)?);
-        let most = infill.vertices() + rivers.len() as f64;
+        let most = infill.vertices(rivers.vertices());
         if most > network::MAX_LINKS {
             let message = format!(
                 "asks for about {most:.0} vertices on this terrain; at most {:.0}",
@@ -98,7 +99,9 @@ impl Node for InfillRivers {
         if filled.unreached > 0 {
             cx.warn(format!("{} places stay without a river, shut in by others", filled.unreached));
         }
-        let mut vertices = filled.vertices;
+        // River after river, as the other kinds give them: what is near is then near in memory, too.
+        let sorted = Rivers::sorted(&filled.vertices).map_err(network::of_fault)?.0;
+        let mut vertices = network::changed(&sorted);
         drainage::drain(&mut vertices, infill.filled_bounds(), self.width.0, &cx.work.stage(0.7, 1.0))?;
         Ok(Outputs { rivers: network::made(vertices)? })
     }

@@ -7,8 +7,10 @@ use super::predicates::{Point, side};
 use crate::value::Bounds;
 use crate::work::{Cancelled, Work};
 
-/// Sites whose cells are made between two looks at the switch that stops work.
-const BAND: usize = 4096;
+/// Sites whose cells are made with the same memory.
+const RUN: usize = 256;
+/// Runs between two looks at the switch that stops work.
+const BAND: usize = 16;
 
 /// The centre of the circle through the corners of each triangle: the vertices of the diagram. Those of triangles at far
 /// corners lie outside the bounds of the triangulation; all are finite.
@@ -36,9 +38,13 @@ fn centre([a, b, c]: [Point; 3]) -> Point {
 pub fn areas(net: &Delaunay, bounds: Bounds, work: &Work<'_>) -> Result<Vec<f64>, Cancelled> {
     let starts = net.starts();
     let mut areas = vec![0.0; net.sites()];
-    work.rows(&mut areas, 1, BAND, |site, area| {
-        if starts[site] != NONE {
-            area[0] = area_of(&cell(net, bounds, site, starts[site] as usize));
+    work.rows(&mut areas, RUN, BAND, |run, areas| {
+        let [mut cell, mut clipped] = [Vec::with_capacity(12), Vec::with_capacity(12)];
+        for (site, area) in (run * RUN..).zip(areas) {
+            if starts[site] != NONE {
+                cut_cell(net, bounds, site, starts[site] as usize, &mut cell, &mut clipped);
+                *area = area_of(&cell);
+            }
         }
     })?;
     Ok(areas)
@@ -47,16 +53,29 @@ pub fn areas(net: &Delaunay, bounds: Bounds, work: &Work<'_>) -> Result<Vec<f64>
 /// The cell of a site inside the bounds, a convex polygon; empty where the cell lies outside. The half-edge must start at
 /// the site.
 pub fn cell(net: &Delaunay, bounds: Bounds, site: usize, start: usize) -> Vec<Point> {
+    let (mut cell, mut clipped) = (Vec::new(), Vec::new());
+    cut_cell(net, bounds, site, start, &mut cell, &mut clipped);
+    cell
+}
+
+/// Cuts a cell from the rectangle, neighbour by neighbour, so that it is right however far the centres of thin triangles
+/// lie.
+fn cut_cell(
+    net: &Delaunay,
+    bounds: Bounds,
+    site: usize,
+    start: usize,
+    cell: &mut Vec<Point>,
+    clipped: &mut Vec<Point>,
+) {
     let Bounds { min, max } = bounds;
     let at = net.point(site as u32);
-    let mut polygon = vec![min, [max[0], min[1]], max, [min[0], max[1]]];
-    let mut clipped = Vec::with_capacity(12);
+    cell.clear();
+    cell.extend([min, [max[0], min[1]], max, [min[0], max[1]]]);
     for edge in net.around(start) {
-        let neighbour = net.point(net.end(edge));
-        clip(&polygon, at, neighbour, &mut clipped);
-        std::mem::swap(&mut polygon, &mut clipped);
+        clip(cell, at, net.point(net.end(edge)), clipped);
+        std::mem::swap(cell, clipped);
     }
-    polygon
 }
 
 /// The part of a convex polygon that is nearer to one place than to another.

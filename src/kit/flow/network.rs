@@ -37,7 +37,11 @@ pub fn vertices(
         let area = area(cell);
         RiverVertex {
             at: [grid.x(cell % cols), grid.y(cell / cols)],
-            height: f64::from(surface.at(cell).max(surface.sea())),
+            height: if surface.is_known(cell) {
+                f64::from(surface.at(cell).max(surface.sea()))
+            } else {
+                UNKNOWN
+            },
             down: of.down,
             area: area as f32,
             width: width(area, style.width) as f32,
@@ -45,6 +49,7 @@ pub fn vertices(
         }
     };
     let mut vertices: Vec<RiverVertex> = stream.iter().map(vertex).collect();
+    take_from_above(&mut vertices);
     if style.falls {
         lower(&mut vertices);
     }
@@ -53,6 +58,19 @@ pub fn vertices(
     let rounds = (2.0 * steps * steps).ceil().clamp(0.0, 1000.0) as u32;
     smooth(&mut vertices, rounds, work)?;
     Ok(vertices)
+}
+
+/// The height of a mouth where there are no data.
+const UNKNOWN: f64 = f64::INFINITY;
+
+/// Gives mouths without a height that of the lowest vertex above.
+fn take_from_above(vertices: &mut [RiverVertex]) {
+    let mouth = |vertex: &RiverVertex| vertex.down.filter(|&down| vertices[down as usize].height == UNKNOWN);
+    let heights: Vec<(u32, f64)> = vertices.iter().filter_map(|v| Some((mouth(v)?, v.height))).collect();
+    for (down, height) in heights {
+        let mouth = &mut vertices[down as usize].height;
+        *mouth = mouth.min(height);
+    }
 }
 
 /// Lowers vertices, which stand downstream first, to those above them.

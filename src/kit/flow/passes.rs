@@ -62,7 +62,7 @@ pub(super) fn between(
         for j in b * band..((b + 1) * band).min(rows) {
             of_row(surface, label, j, &mut found);
         }
-        Ok(found.passes)
+        Ok(found.thinned())
     });
     let mut all: Vec<Vec<Pass>> = bands.collect::<Result<_, Cancelled>>()?;
     work.check()?;
@@ -112,7 +112,7 @@ fn over_the_border(surface: &Surface<'_>, label: &[u32]) -> Vec<Pass> {
             }
         }
     }
-    found.passes
+    found.thinned()
 }
 
 /// Passes, where of those between the same basins only the lowest counts.
@@ -136,6 +136,13 @@ impl Lowest {
                 self.passes.push(pass);
             }
         }
+    }
+
+    /// The passes, in no more memory than they take: of noise there are many.
+    fn thinned(mut self) -> Vec<Pass> {
+        self.thin();
+        self.passes.shrink_to_fit();
+        self.passes
     }
 
     fn thin(&mut self) {

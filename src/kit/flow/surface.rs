@@ -58,6 +58,11 @@ impl<'a> Surface<'a> {
         solid(self.height[cell])
     }
 
+    /// Whether a cell has a height.
+    pub fn is_known(&self, cell: usize) -> bool {
+        self.at(cell) > VOID
+    }
+
     /// The highest level that is not land, in metres.
     pub fn sea(&self) -> f32 {
         self.sea

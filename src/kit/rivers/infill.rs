@@ -33,7 +33,7 @@ const WAY: f64 = 0.6;
 const ROUNDS: u32 = 4;
 /// How near to another river a new link may pass without being costly, in spacings.
 const CLEAR: f64 = 0.25;
-/// Edges taken off the heap between two looks at the switch that stops work.
+/// Triangles seen, or edges taken off the heap, between two looks at the switch that stops work.
 const LOOK: usize = 1 << 14;
 
 /// How empty land is filled.
@@ -67,12 +67,15 @@ impl Infill {
         self.bounds.grown(MARGIN * self.spacing)
     }
 
-    /// About how many vertices are added at most.
-    pub fn vertices(&self) -> f64 {
+    /// About how many vertices a network has at most when it is filled.
+    pub fn vertices(&self, rivers: &[RiverVertex]) -> f64 {
+        let pieces = |vertex: &RiverVertex| {
+            vertex.down.map_or(1.0, |down| pieces(vertex.at, rivers[down as usize].at, self.spacing))
+        };
         let all = self.filled_bounds();
         let [cols, rows] = [all.width(), all.depth()].map(|extent| libm::ceil(extent / self.spacing));
         // Sites on the lattice and on the rectangle, and some for gaps.
-        1.1 * cols * rows + 2.0 * (cols + rows)
+        1.1 * cols * rows + 2.0 * (cols + rows) + rivers.iter().map(pieces).sum::<f64>()
     }
 
     /// Fills the land between rivers. None are returned for none.
@@ -88,7 +91,7 @@ impl Infill {
         let mut sites: Vec<Point> = given.iter().map(|vertex| vertex.at).collect();
         sites.extend(land.border());
         let roots = sites.len();
-        sites.extend(land.lattice());
+        sites.extend(land.lattice(work)?);
         let net = land.without_gaps(&mut sites, &work.stage(0.0, 0.5))?;
         let rise = mean_slope(&given);
         let mut tree = Tree { land: &land, net: &net, given: &given, roots, rise, filled: Filled::default() };
@@ -105,8 +108,7 @@ fn divided(rivers: &[RiverVertex], longest: f64) -> Vec<RiverVertex> {
         let mut below = vertex.down.map(|down| place[down as usize]);
         if let Some(down) = below {
             let from = all[down as usize];
-            let length = libm::hypot(vertex.at[0] - from.at[0], vertex.at[1] - from.at[1]);
-            let pieces = libm::ceil(length / longest).max(1.0);
+            let pieces = pieces(vertex.at, from.at, longest);
             let mix = |a: f64, b: f64, k: f64| a + (b - a) * (k / pieces);
             for k in (1..pieces as u32).map(f64::from) {
                 let at = [0, 1].map(|i| mix(from.at[i], vertex.at[i], k));
@@ -123,6 +125,11 @@ fn divided(rivers: &[RiverVertex], longest: f64) -> Vec<RiverVertex> {
         all.push(RiverVertex { down: below, ..*vertex });
     }
     all
+}
+
+/// How many pieces a link has that are no longer than a length.
+fn pieces(a: Point, b: Point, longest: f64) -> f64 {
+    libm::ceil(libm::hypot(a[0] - b[0], a[1] - b[1]) / longest).max(1.0)
 }
 
 /// The mean slope of links, at least a hundredth.
@@ -190,7 +197,7 @@ impl<'a> Land<'a> {
 
     /// Places on a jittered lattice, away from rivers and from the outlets on the border. The lattice is that of the world,
     /// so a larger terrain has the same places.
-    fn lattice(&self) -> Vec<Point> {
+    fn lattice(&self, work: &Work<'_>) -> Result<Vec<Point>, Cancelled> {
         let spacing = self.infill.spacing;
         let inner = self.all.grown(-0.3 * spacing);
         let [cols, rows] = [0, 1].map(|i| {
@@ -206,7 +213,8 @@ impl<'a> Land<'a> {
             let is_free = |at: &Point| contains(inner, *at) && !self.river_within(*at, NEAR * spacing);
             cols.clone().map(place).filter(is_free).collect()
         };
-        rows.into_par_iter().flat_map_iter(row).collect()
+        let rows = rows.into_par_iter().map(|index| work.check().map(|()| row(index)));
+        Ok(rows.collect::<Result<Vec<_>, Cancelled>>()?.concat())
     }
 
     /// The triangulation of sites, with sites added where a place would be farther than the spacing from all.
@@ -214,7 +222,7 @@ impl<'a> Land<'a> {
         for round in 0..ROUNDS {
             let share = |round: u32| round as f32 / ROUNDS as f32;
             let net = Delaunay::new(sites, self.all, &work.stage(share(round), share(round + 1)))?;
-            let gaps = if round + 1 < ROUNDS { self.gaps(&net) } else { Vec::new() };
+            let gaps = if round + 1 < ROUNDS { self.gaps(&net, work)? } else { Vec::new() };
             if gaps.is_empty() {
                 return Ok(net);
             }
@@ -224,12 +232,15 @@ impl<'a> Land<'a> {
     }
 
     /// Middles of places without a site or a river, one for each place.
-    fn gaps(&self, net: &Delaunay) -> Vec<Point> {
+    fn gaps(&self, net: &Delaunay, work: &Work<'_>) -> Result<Vec<Point>, Cancelled> {
         let spacing = self.infill.spacing;
         let inner = self.all.grown(-spacing);
         let mut taken = LinkGrid::new(self.all, spacing);
         let (mut gaps, mut near): (Vec<Point>, Vec<u32>) = (Vec::new(), Vec::new());
         for (triangle, centre) in voronoi::centres(net).into_iter().enumerate() {
+            if triangle % LOOK == 0 {
+                work.check()?;
+            }
             let corner = net.point(net.corners(triangle)[0]);
             let radius = libm::hypot(centre[0] - corner[0], centre[1] - corner[1]);
             if radius <= spacing || !contains(inner, centre) || self.river_within(centre, spacing) {
@@ -244,7 +255,7 @@ impl<'a> Land<'a> {
                 gaps.push(centre);
             }
         }
-        gaps
+        Ok(gaps)
     }
 }
 

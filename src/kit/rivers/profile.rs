@@ -102,8 +102,19 @@ pub fn limit_sides(vertices: &mut [RiverVertex], steepest: f64, work: &Work<'_>)
     let fall: Vec<f64> = falls(vertices);
     let mut heights: Vec<f64> =
         vertices.iter().zip(&fall).map(|(vertex, fall)| vertex.height - fall).collect();
-    let mut heap: BinaryHeap<Open> =
-        heights.iter().enumerate().map(|(i, &height)| Open { height, vertex: i as u32 }).collect();
+    let over = |from: usize, to: u32| {
+        let to = to as usize;
+        (steepest * distance(vertices[from].at, vertices[to].at) + fall[from] - fall[to]).max(0.0)
+    };
+    // What lowers no other is not looked at before it is lowered itself.
+    let lowers = |&i: &usize| {
+        let is_over = |&to: &u32| heights[to as usize] > heights[i] + over(i, to);
+        let down = vertices[i].down.is_some_and(|down| heights[down as usize] > heights[i]);
+        down || neighbours.at(i).iter().any(is_over)
+    };
+    let first: Vec<usize> = (0..vertices.len()).into_par_iter().filter(lowers).collect();
+    let open = |i: usize| Open { height: heights[i], vertex: i as u32 };
+    let mut heap: BinaryHeap<Open> = first.into_iter().map(open).collect();
     let work = work.stage(0.5, 1.0);
     let mut settled = 0;
     while let Some(Open { height, vertex }) = heap.pop() {
@@ -115,21 +126,18 @@ pub fn limit_sides(vertices: &mut [RiverVertex], steepest: f64, work: &Work<'_>)
         if settled % LOOK == 0 {
             work.step(settled as f32 / vertices.len() as f32)?;
         }
-        let mut lower = |other: usize, over: f64| {
-            let limit = height + over;
-            if limit < heights[other] {
-                heights[other] = limit;
-                heap.push(Open { height: limit, vertex: other as u32 });
+        let mut lower = |other: u32, limit: f64| {
+            if limit < heights[other as usize] {
+                heights[other as usize] = limit;
+                heap.push(Open { height: limit, vertex: other });
             }
         };
         for &other in neighbours.at(i) {
-            let other = other as usize;
-            let over = steepest * distance(vertices[i].at, vertices[other].at) + fall[i] - fall[other];
-            lower(other, over.max(0.0));
+            lower(other, height + over(i, other));
         }
         // The vertex downstream is lower by the least fall at least.
         if let Some(down) = vertices[i].down {
-            lower(down as usize, 0.0);
+            lower(down, height);
         }
     }
     for ((vertex, height), fall) in vertices.iter_mut().zip(heights).zip(fall) {

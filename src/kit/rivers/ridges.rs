@@ -54,8 +54,7 @@ pub fn ridges(
     let net = Delaunay::new(&sites, bounds, &work.stage(0.0, 0.4))?;
     let centres = voronoi::centres(&net);
     work.step(0.5)?;
-    let divides = clipped_edges(&net, &centres, bounds);
-    work.step(0.6)?;
+    let divides = clipped_edges(&net, &centres, bounds, &work.stage(0.5, 0.6))?;
     let mut found = Corners::new(&net, &centres, vertices, divides);
     found.cut_crossed(&work.stage(0.6, 0.8))?;
     found.ridges(heights, &work.stage(0.8, 1.0))
@@ -72,34 +71,42 @@ struct Divide {
 }
 
 /// The edges of the diagram that reach into the rectangle, and where the border clips them.
-fn clipped_edges(net: &Delaunay, centres: &[Point], bounds: Bounds) -> (Vec<Divide>, Vec<Point>) {
+fn clipped_edges(
+    net: &Delaunay,
+    centres: &[Point],
+    bounds: Bounds,
+    work: &Work<'_>,
+) -> Result<(Vec<Divide>, Vec<Point>), Cancelled> {
     let inside = |at: Point| (0..2).all(|k| (bounds.min[k]..=bounds.max[k]).contains(&at[k]));
     let (mut divides, mut border) = (Vec::new(), Vec::new());
-    for edge in net.edges() {
+    for (done, edge) in net.edges().enumerate() {
+        if done % LOOK == 0 {
+            work.step(edge as f32 / net.half_edges() as f32)?;
+        }
         let sites = [net.origin(edge), net.end(edge)];
-        let (Some(twin), true) = (net.twin(edge), sites.iter().all(|&site| net.is_site(site))) else {
+        let Some(twin) = net.twin(edge).filter(|_| sites.iter().all(|&site| net.is_site(site))) else {
             continue;
         };
         let triangles = [edge / 3, twin / 3];
-        let [from, to] = triangles.map(|t| inside(centres[t]));
-        let clipped = if from && to {
-            None
-        } else {
-            clip(sites.map(|site| net.point(site)), triangles.map(|t| centres[t]), bounds)
+        let ends = triangles.map(|t| centres[t]);
+        let is_inside = ends.map(inside);
+        let clipped = match is_inside {
+            [true, true] => ends,
+            _ => match clip(sites.map(|site| net.point(site)), ends, bounds) {
+                Some(clipped) => clipped,
+                None => continue,
+            },
         };
-        if !(from && to) && clipped.is_none() {
-            continue;
-        }
-        let mut end = |k: usize, is_inside: bool| match clipped {
-            Some(ends) if !is_inside => {
-                border.push(ends[k]);
-                (centres.len() + border.len() - 1) as u32
+        let ends = [0, 1].map(|k| {
+            if is_inside[k] {
+                return triangles[k] as u32;
             }
-            _ => triangles[k] as u32,
-        };
-        divides.push(Divide { ends: [end(0, from), end(1, to)], edge: edge as u32, is_cut: false });
+            border.push(clipped[k]);
+            (centres.len() + border.len() - 1) as u32
+        });
+        divides.push(Divide { ends, edge: edge as u32, is_cut: false });
     }
-    (divides, border)
+    Ok((divides, border))
 }
 
 /// The part inside a rectangle of the edge between two centres, which lies on the bisector of two sites. It is measured

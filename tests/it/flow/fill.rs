@@ -74,7 +74,7 @@ proptest! {
 
 #[test]
 fn filling_agrees_with_a_priority_flood() {
-    for (cols, rows, seed) in [(300, 217, 1), (128, 400, 2), (257, 257, 3), (3, 900, 4)] {
+    for (cols, rows, seed) in [(300, 217, 1), (128, 400, 2), (257, 257, 3), (9, 900, 4)] {
         let ground = Ground::rough(cols, rows, seed);
         let found = filled(&ground);
         assert_eq!(found, priority_flood(&ground), "{cols}x{rows}");

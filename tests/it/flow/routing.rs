@@ -125,8 +125,11 @@ fn water_goes_the_steepest_way_and_of_equal_ones_the_first() {
     let ground = Ground::rough(120, 90, 5);
     let (tree, filled) = (tree(&ground), filled(&ground));
     let mut ties = 0;
-    for cell in (0..ground.len()).filter(|&cell| ground.is_land(cell) && filled[cell] == ground.height[cell])
-    {
+    // The ways of pits leave the steepest descent; they and what touches them are left out.
+    let dry = |cell: usize| filled[cell] == ground.height[cell];
+    let plain =
+        |cell: &usize| ground.is_land(*cell) && tree.cells.around(*cell).all(|(_, i)| dry(i)) && dry(*cell);
+    for cell in (0..ground.len()).filter(plain) {
         let slopes: Vec<(f64, usize)> = (tree.cells.around(cell))
             .map(|(k, i)| ((ground.height[cell] - ground.height[i]) as f64 / LENGTH[k as usize], i))
             .collect();

@@ -77,10 +77,10 @@ fn networks_keep_their_clearance_from_each_other_and_the_border() {
 
 #[test]
 fn rivers_stay_on_land() {
-    let is_land = |at: Point| at[0] < 9000.0;
+    let is_land = |at: Point| at[0] < 11_000.0;
     let grown = grow(&Growth { is_land: &is_land, ..growth(Branching::Generator(2), 6, 2) }, &[LINE]);
     // Points that divide a link may move to the side by a little.
-    assert!(grown.at.iter().all(|at| at[0] < 9100.0) && grown.at.len() > 100);
+    assert!(grown.at.iter().all(|at| at[0] < 11_200.0) && grown.at.len() > 100);
     let nowhere = Growth { is_land: &|_| false, ..growth(Branching::Generator(2), 6, 2) };
     let grown = grow(&nowhere, &[LINE]);
     // The first link is the artist's, and what divides it.

@@ -171,10 +171,12 @@ impl<'a> Map<'a> {
                 map.grown.crossing.push(number);
             }
             // A line without room keeps its number, and no link.
-            let mut stem = free.unwrap_or(Stem { depth: 0, ..stems[0] });
-            if free.is_some() {
+            let mut stem = free.unwrap_or(stems[0]);
+            if free.is_none() {
+                stem.depth = 0;
+            } else {
                 let outlet = map.add(line.from, None, Role::Outlet, number as u32);
-                stem.tip = map.add(stem.first_end(line.from), Some(outlet), Role::Exterior, number as u32);
+                stem.tip = map.add(stem.first_end, Some(outlet), Role::Exterior, number as u32);
             }
             map.stems.push(stem);
         }
@@ -183,7 +185,7 @@ impl<'a> Map<'a> {
 
     /// Whether the first link of a stem touches no other.
     fn is_first_free(&self, from: Point, stem: &Stem) -> bool {
-        let own = [from, stem.first_end(from)];
+        let own = [from, stem.first_end];
         let touches = |link: usize| self.segment(link).is_some_and(|other| segments_touch(own, other));
         !(0..self.role.len()).any(touches)
     }

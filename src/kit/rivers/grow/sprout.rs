@@ -20,9 +20,9 @@ pub(super) struct Sprout {
 }
 
 /// How far a branch is bent, in degrees, the own angle first.
-const BENDS: [f64; 7] = [0.0, -15.0, 15.0, -30.0, 30.0, -45.0, 45.0];
+const BENDS: [f64; 13] = [0.0, -15.0, 15.0, -30.0, 30.0, -45.0, 45.0, -7.5, 7.5, -22.5, 22.5, -37.5, 37.5];
 /// Shares of its length that a branch tries.
-const LENGTHS: [f64; 3] = [1.0, 0.75, 0.55];
+const LENGTHS: [f64; 4] = [1.0, 0.85, 0.7, 0.55];
 /// Standard deviation of the angle of a branch, in radians.
 const JITTER: f64 = 0.08;
 /// How far a place counts as clear, in link lengths.

@@ -18,6 +18,8 @@ pub(super) struct Stem {
     direction: f64,
     /// The branch angle to the side that it turns to first, in radians.
     turn: f64,
+    /// The upper end of the first link.
+    pub first_end: Point,
 }
 
 impl Stem {
@@ -27,7 +29,15 @@ impl Stem {
     /// that of the line.
     pub(super) fn new(growth: &Growth<'_>, line: &Line, depth: u32, side: f64) -> Self {
         let shrink = growth.branching.shrink();
-        let mut stem = Self { depth, tip: 0, first: 1.0, shrink, direction: 0.0, turn: side * growth.angle };
+        let mut stem = Self {
+            depth,
+            tip: 0,
+            first: 1.0,
+            shrink,
+            direction: 0.0,
+            turn: side * growth.angle,
+            first_end: line.to,
+        };
         let mut end = [0.0; 2];
         for step in 2..=depth {
             end = beyond(end, stem.heading(step - 1), stem.divided_length(growth, step));
@@ -36,6 +46,10 @@ impl Stem {
         let wanted = [line.to[0] - line.from[0], line.to[1] - line.from[1]];
         stem.first = line.length() / libm::hypot(end[0], end[1]).max(1e-9);
         stem.direction = libm::atan2(wanted[1], wanted[0]) - libm::atan2(end[1], end[0]);
+        // A stem of one link ends where the line does, to the bit.
+        if depth > 1 {
+            stem.first_end = beyond(line.from, stem.direction, stem.first);
+        }
         stem
     }
 
@@ -58,10 +72,5 @@ impl Stem {
     pub(super) fn side(&self, step: u32) -> f64 {
         let side = if self.turn < 0.0 { -1.0 } else { 1.0 };
         if step % 2 == 0 { side } else { -side }
-    }
-
-    /// The end of its first link.
-    pub(super) fn first_end(&self, from: Point) -> Point {
-        beyond(from, self.direction, self.first)
     }
 }
