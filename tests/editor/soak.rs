@@ -20,8 +20,22 @@ const SLACK: u64 = 16 << 20;
 const STATE: u64 = 64 << 10;
 const STATES: u64 = 1000;
 
+/// Set in the process that measures.
+const ALONE: &str = "OROGRAPH_SOAK_ALONE";
+
+/// The memory of a process is that of all tests which run in it, so this one runs in a process of its own.
 #[test]
 fn random_edits_end_with_flat_memory_and_can_be_undone() {
+    if std::env::var_os(ALONE).is_none() {
+        let mut alone = std::process::Command::new(std::env::current_exe().unwrap());
+        alone.args(["--exact", "soak::random_edits_end_with_flat_memory_and_can_be_undone", "--nocapture"]);
+        let done = alone.env(ALONE, "1").output().unwrap();
+        let said = [done.stdout, done.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+        assert!(done.status.success(), "{}", said.concat());
+        assert!(said[0].contains("1 passed"), "the test was run: {}", said[0]);
+        print!("{}", said[0]);
+        return;
+    }
     let breadth = std::env::var_os("OROGRAPH_BREADTH").is_some_and(|v| !v.is_empty() && v != "0");
     let asked = std::env::var("OROGRAPH_SOAK").ok().map(|text| text.parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
