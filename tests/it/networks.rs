@@ -65,7 +65,7 @@ fn segment(vertices: &[RiverVertex], i: usize) -> Option<[Point; 2]> {
 /// All links, for searches near a place.
 fn link_grid(vertices: &[RiverVertex]) -> LinkGrid {
     let bounds = Bounds::around(vertices.iter().map(|vertex| vertex.at)).unwrap();
-    let mut grid = LinkGrid::new(bounds, bounds.width().max(bounds.depth()) / 200.0);
+    let mut grid = LinkGrid::new(bounds, bounds.width().max(bounds.depth()) / 200.0, vertices.len());
     for i in 0..vertices.len() {
         if let Some(link) = segment(vertices, i) {
             grid.put(i as u32, link);

@@ -55,6 +55,8 @@ impl Branching {
     pub fn bifurcation(self) -> f64 {
         match self {
             Self::Generator(phi) => f64::from(phi) + 1.0 + self.interior(1),
+            // Without side branches each step doubles the sources, whatever c is.
+            Self::Statistics { a, .. } if a <= 0.0 => 2.0,
             Self::Statistics { a, c } => {
                 let sum = 2.0 + a + c;
                 (sum + libm::sqrt((sum * sum - 8.0 * c).max(0.0))) / 2.0

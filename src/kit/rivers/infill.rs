@@ -155,7 +155,7 @@ struct Land<'a> {
 impl<'a> Land<'a> {
     fn new(infill: &'a Infill, given: &'a [RiverVertex]) -> Self {
         let all = infill.filled_bounds();
-        let mut links = LinkGrid::new(all, infill.spacing);
+        let mut links = LinkGrid::new(all, infill.spacing, given.len());
         for i in 0..given.len() {
             links.put(i as u32, segment(given, i));
         }
@@ -234,7 +234,7 @@ impl<'a> Land<'a> {
     fn gaps(&self, net: &Delaunay, work: &Work<'_>) -> Result<Vec<Point>, Cancelled> {
         let spacing = self.infill.spacing;
         let inner = self.all.grown(-spacing);
-        let mut taken = LinkGrid::new(self.all, spacing);
+        let mut taken = LinkGrid::new(self.all, spacing, net.sites() / 16);
         let (mut gaps, mut near): (Vec<Point>, Vec<u32>) = (Vec::new(), Vec::new());
         for (triangle, centre) in voronoi::centres(net).into_iter().enumerate() {
             if triangle % LOOK == 0 {

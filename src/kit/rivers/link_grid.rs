@@ -5,8 +5,8 @@ use crate::value::Bounds;
 
 /// No further entry.
 const END: u32 = u32::MAX;
-/// Most cells.
-const MAX_CELLS: f64 = (1 << 24) as f64;
+/// Most cells of a grid.
+const MAX_CELLS: usize = 1 << 24;
 
 /// Links by the squares that they lie in. A link that moves is put in again; where it was it stays, so whoever asks looks
 /// at the place that it has now.
@@ -22,10 +22,13 @@ pub struct LinkGrid {
 }
 
 impl LinkGrid {
-    /// No links, in squares of about a size, on a rectangle. What lies outside is put into the squares on its border.
-    pub fn new(bounds: Bounds, cell: f64) -> Self {
+    /// No links, in squares of about a size, on a rectangle; in larger ones where so many links need no more. What lies
+    /// outside is put into the squares on its border.
+    pub fn new(bounds: Bounds, cell: f64, links: usize) -> Self {
         let (width, depth) = (bounds.width().max(1e-6), bounds.depth().max(1e-6));
-        let cell = cell.max(libm::sqrt(width * depth / MAX_CELLS)).max(width.max(depth) * 1e-6);
+        let most = (16 * links + 1024).min(MAX_CELLS) as f64;
+        // Of a strip a square may not be smaller than its share of the length.
+        let cell = cell.max(libm::sqrt(width * depth / most)).max(width.max(depth) / most);
         let [cols, rows] = [width, depth].map(|extent| (libm::ceil(extent / cell) as usize).max(1));
         let heads = vec![END; cols * rows];
         Self { min: bounds.min, per_cell: 1.0 / cell, cols, rows, heads, entries: Vec::new() }

@@ -105,3 +105,16 @@ fn statistics_count_side_branches_by_their_definition() {
     assert_eq!(found.bifurcation(), [3.0, 2.0]);
     assert_eq!(Statistics::of(&[]), Statistics::default());
 }
+
+#[test]
+fn bifurcation_is_that_of_theory() {
+    let generators = [(1, 2.0), (2, 4.0), (3, 5.5352), (4, 6.9212)];
+    for (phi, want) in generators {
+        assert!((Branching::Generator(phi).bifurcation() - want).abs() < 1e-3, "φ {phi}");
+    }
+    for (a, c, want) in
+        [(1.0, 2.0, 4.0), (1.05, 2.5, 4.42), (0.7, 2.0, 3.58), (1.2, 3.0, 5.0), (0.0, 6.0, 2.0)]
+    {
+        assert!((Branching::Statistics { a, c }.bifurcation() - want).abs() < 0.01, "a {a}, c {c}");
+    }
+}

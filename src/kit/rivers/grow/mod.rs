@@ -158,7 +158,7 @@ impl<'a> Map<'a> {
             role: Vec::new(),
             line: Vec::new(),
             stems: Vec::new(),
-            grid: LinkGrid::new(growth.bounds, f64::INFINITY),
+            grid: LinkGrid::new(growth.bounds, f64::INFINITY, 0),
             chance: Chance::new(mix(growth.seed)),
             near: Vec::new(),
         };
@@ -213,7 +213,7 @@ impl<'a> Map<'a> {
     /// Divides all links and lets the branches of a step sprout.
     fn step(&mut self, step: u32, work: &Work<'_>) -> Result<(), Cancelled> {
         let longest = self.stems.iter().filter(|stem| stem.depth >= step).map(|stem| stem.length(step));
-        self.grid = LinkGrid::new(self.growth.bounds, longest.fold(0.0, f64::max));
+        self.grid = LinkGrid::new(self.growth.bounds, longest.fold(0.0, f64::max), self.role.len());
         let links: Vec<u32> =
             (0..self.role.len() as u32).filter(|&i| self.role[i as usize] != Role::Outlet).collect();
         for &link in &links {
