@@ -89,7 +89,7 @@ impl Ground {
 pub(crate) fn grounds() -> impl Strategy<Value = Ground> {
     let height = prop_oneof![
         12 => (0u8..7).prop_map(f32::from),
-        6 => (0.0f32..7.0),
+        6 => 0.0f32..7.0,
         1 => Just(f32::NAN),
         1 => Just(-0.0),
         1 => Just(100.0),
