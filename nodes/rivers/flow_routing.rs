@@ -137,11 +137,18 @@ impl Node for FlowRouting {
             let area = sum(&cx.stage(0.25, 0.5), &|_| cell)?;
             field(&cx.stage(0.5, 0.52), Quantity::Area, |i| area[i])?
         };
-        let flow = {
-            let factor = self.rain.0 * PER_MILLIMETRE * cell;
-            let share = |i: usize| moisture.as_ref().map_or(1.0, |field| f64::from(field.data()[i]).max(0.0));
-            let flow = sum(&cx.stage(0.52, 0.77), &|i| factor * share(i))?;
-            field(&cx.stage(0.77, 0.79), Quantity::Flow, |i| flow[i])?
+        let rain = self.rain.0 * PER_MILLIMETRE;
+        let flow = match &moisture {
+            // Even rain flows as the area does.
+            None => {
+                let flow = |i: usize| rain * f64::from(area.data()[i]);
+                field(&cx.stage(0.52, 0.79), Quantity::Flow, flow)?
+            }
+            Some(moisture) => {
+                let wet = |i: usize| rain * cell * f64::from(moisture.data()[i]).max(0.0);
+                let flow = sum(&cx.stage(0.52, 0.77), &wet)?;
+                field(&cx.stage(0.77, 0.79), Quantity::Flow, |i| flow[i])?
+            }
         };
         let distance = tree.distance(&cx.work.stage(0.79, 0.9))?;
         let distance = field(&cx.stage(0.9, 0.92), Quantity::Distance, |i| distance[i])?;
