@@ -64,11 +64,11 @@ impl Land {
     }
 
     /// The side, in cells, of the blocks whose means lie about `target` metres apart; 1 where blocks of two would
-    /// already be farther off than the cells are.
+    /// already be farther off than the cells are. Of two that are equally near the even one is taken.
     pub fn block(&self, target: f64) -> usize {
         // Between 1 and 2 the middle of the ratios is √2.
         let ratio = target / self.cell;
-        if ratio > 1.4 { (ratio.round() as usize).max(2) } else { 1 }
+        if ratio > 1.4 { (ratio.round_ties_even() as usize).max(2) } else { 1 }
     }
 
     /// Cells in a row.

@@ -43,7 +43,7 @@ pub use network::{Network, Node, Order, Tokunaga};
 pub use rivers::RiverFigures;
 pub use spectrum::Spectrum;
 
-use crate::kit::flow::{self, Surface, Tree, accumulate};
+use crate::kit::flow::{self, Surface, Tree, accumulate, epsilon};
 use crate::work::{Cancelled, Work};
 
 /// Bytes a cell of land that [`Figures::of`] takes beside the heights, at most.
@@ -117,7 +117,8 @@ impl Figures {
 
 /// The figures of water that runs over land.
 ///
-/// Ways are those of the filled surface, which cross what was filled in the shortest way to its outlet.
+/// Depths and slopes are those of the filled surface. Ways are those of one that rises by the least that heights can
+/// differ by, from cell to cell, where the other is level: they cross lakes in the shortest way to their outlet.
 #[allow(clippy::type_complexity, reason = "three figures of one pass, taken apart at once")]
 fn drainage(
     land: &Land,
@@ -127,10 +128,12 @@ fn drainage(
 ) -> Result<(Depressions, Option<Channels>, Option<Network>), Cancelled> {
     let (cols, cell) = (land.cols(), land.cell());
     let surface = Surface::new(cols, land.rows(), cell, land.heights(), None);
-    let level = flow::Depressions::find(&surface, &work.stage(0.0, 0.2))?.filled(&surface, &work.quiet())?;
-    let filled = depressions::Filled::new(land, &level, &work.stage(0.2, 0.3))?;
+    let level = flow::Depressions::find(&surface, &work.stage(0.0, 0.15))?.filled(&surface, &work.quiet())?;
+    let filled = depressions::Filled::new(land, &level, &work.stage(0.15, 0.2))?;
     let depressions = filled.figures(relief, work)?;
-    let tree = Tree::of(&surface.with_height(&level), &work.stage(0.3, 0.5))?;
+    let sloped = epsilon::fill(&surface, 0.0, &work.stage(0.2, 0.4))?;
+    let tree = Tree::of(&surface.with_height(&sloped), &work.stage(0.4, 0.5))?;
+    drop(sloped);
     let is_land = |cell: usize| land.heights()[cell].is_finite();
     let area = accumulate::count(&tree, is_land, &work.stage(0.5, 0.6))?;
     let threshold = channel.unwrap_or(f64::from(CHANNEL) * cell * cell);

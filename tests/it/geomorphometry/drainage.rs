@@ -73,16 +73,19 @@ fn depressions_are_those_of_brute_force() {
         let depths: Vec<f64> =
             land.iter().map(|at| f64::from(level[*at] - z[*at])).filter(|d| *d > 0.0).collect();
         let volume: f64 = depths.iter().sum();
-        near(found.mean_depth, volume / depths.len() as f64, 1e-9);
+        near(found.mean_depth, volume / depths.len().max(1) as f64, 1e-9);
         let heights = || land.iter().map(|at| f64::from(z[*at]));
         let relief = heights().fold(f64::MIN, f64::max) - heights().fold(f64::MAX, f64::min);
         near(found.volume, volume / (all * relief), 1e-9);
     }
 }
 
+/// Rows of a valley: long enough for bins of areas over 1 km².
+const ROWS: usize = 4000;
+
 /// A valley between straight flanks, whose bed falls by `A^−θ`.
 fn valley(theta: f64) -> Figures {
-    let (cols, rows, cell) = (41, 1500, 10.0);
+    let (cols, rows, cell) = (41, ROWS, 10.0);
     let area = |j: usize| (j + 1) as f64 * cols as f64 * cell * cell;
     let mut bed = vec![0.0; rows];
     for j in (0..rows - 1).rev() {
@@ -95,16 +98,19 @@ fn valley(theta: f64) -> Figures {
 fn a_valley_has_the_concavity_it_was_made_with() {
     for theta in [0.35, 0.5] {
         let found = valley(theta).channels.expect("a channel");
-        for fit in [found.concavity, found.concavity_unfilled].map(|fit| fit.expect("a fit")) {
+        // Near the source the mean over some steps is less than the slope.
+        let large = [found.concavity_1km2, found.concavity_unfilled_1km2];
+        for fit in large.map(|fit| fit.expect("a fit")) {
             near(fit.value, theta, 0.02);
             assert!(fit.r2 > 0.98, "{fit:?}");
         }
         // Each row of the flanks drains into the one channel.
         assert_eq!((found.filled, found.straight_run, found.channel_axis_share), (0.0, None, Some(1.0)));
-        let length = (1500 - 1 - 4) as f64 * 10.0;
-        near(found.density, 1000.0 * length / (41.0 * 1500.0 * 100.0), 1e-9);
+        let length = (ROWS - 1 - 4) as f64 * 10.0;
+        near(found.density, 1000.0 * length / (41.0 * ROWS as f64 * 100.0), 1e-9);
         near(found.relative_density, found.density / 1000.0 * (200.0f64 * 100.0).sqrt(), 1e-9);
-        near(found.hack.expect("a fit").value, 0.93, 0.05);
+        // Flanks of 20 cells are a part of every way.
+        near(found.hack.expect("a fit").value, 0.95, 0.05);
         assert_eq!(found.threshold, 20_000.0);
     }
 }
