@@ -83,7 +83,7 @@ fn write_asc(bencher: Bencher<'_, '_>, size: usize) {
     write(bencher, size, Format::Asc);
 }
 
-#[bench(args = Format::ALL, sample_count = 5)]
+#[bench(args = Format::of_samples(), sample_count = 5)]
 fn read(bencher: Bencher<'_, '_>, format: Format) {
     let (bytes, sidecar) = written(&hills(SIZE), format);
     let name = format!("a.{}", format.extension());

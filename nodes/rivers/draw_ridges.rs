@@ -36,7 +36,7 @@ impl Default for DrawRidges {
 
 ports! {
     pub struct Inputs {
-        /// Ridges.
+        /// Ridges to draw.
         ridges: Ridges,
         /// Picture to draw them on; white where it is not connected.
         under: Option<Colors>,

@@ -39,7 +39,7 @@ impl Default for DrawRivers {
 
 ports! {
     pub struct Inputs {
-        /// Rivers.
+        /// Rivers to draw.
         rivers: Rivers,
         /// Picture to draw them on; white where it is not connected.
         under: Option<Colors>,

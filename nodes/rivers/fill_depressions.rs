@@ -44,6 +44,7 @@ pub enum Mode {
     /// Channels are cut from their deepest places over the lowest passes.
     Breach {
         /// Greatest depth of a cut; none for as deep as it takes.
+        #[serde(default)]
         #[schemars(range(min = 0.0, max = 10_000.0), extend("x-soft" = [0.0, 100.0]))]
         deepest: Option<Metres>,
     },

@@ -66,7 +66,9 @@ impl Node for MeanderRivers {
     }
 
     fn cost(&self, load: &Load<'_>) -> Cost {
-        let pieces = load.object::<Rivers>("rivers").map_or(0.0, |rivers| self.links(&rivers));
+        // Of a network that is not known: rivers two pieces apart everywhere, more than anybody draws.
+        let dense = || load.terrain.width * load.terrain.depth / (2.0 * self.piece.0 * self.piece.0);
+        let pieces = load.object::<Rivers>("rivers").map_or_else(dense, |rivers| self.links(&rivers));
         network::cost(pieces.min(network::MAX_LINKS), 250.0, 6.0)
     }
 

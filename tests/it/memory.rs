@@ -221,7 +221,7 @@ fn no_height_file_takes_more_memory_than_its_header_tells() {
         let writing = Writing { range: Some([-500.0, 500.0]), ..format.into() };
         WriteJob::new(&value, writing, &terrain, *field.grid())
     };
-    for format in Format::ALL {
+    for format in Format::of_samples() {
         let mut out = std::io::Cursor::new(Vec::new());
         let written = encode(&job(format), &mut out).unwrap();
         let (bytes, name) = (out.into_inner(), format!("a.{}", format.extension()));

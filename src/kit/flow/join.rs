@@ -1,5 +1,7 @@
 //! Lines that end near others are joined to a network.
 
+use crate::kit::rivers::link_grid::LinkGrid;
+use crate::value::Bounds;
 use crate::work::{Cancelled, Work};
 
 /// A line from its source to its mouth: x, y and height of its corners, in metres.
@@ -62,17 +64,26 @@ pub fn join(lines: &[Polyline], snap: f64, work: &Work<'_>) -> Result<Vec<Corner
 }
 
 fn joints(lines: &[Polyline], snap: f64, work: &Work<'_>) -> Result<Vec<Option<Joint>>, Cancelled> {
-    let boxes: Vec<[f64; 4]> = lines.iter().map(|line| bounds(line, snap)).collect();
+    let around = Bounds::around(lines.iter().flat_map(|line| &line.0).map(|&[x, y, _]| [x, y]));
+    let Some(around) = around else { return Ok(vec![None; lines.len()]) };
+    let pieces: usize = lines.iter().map(|line| line.0.len()).sum();
+    let cell = libm::sqrt(around.width() * around.depth() / pieces as f64).max(snap);
+    let mut grid = LinkGrid::new(around, cell, pieces);
+    for (n, line) in lines.iter().enumerate() {
+        for piece in 0..line.0.len() {
+            let [a, b] = [line.0[piece], line.0[(piece + 1).min(line.0.len() - 1)]];
+            grid.put(n as u32, [[a[0], a[1]], [b[0], b[1]]]);
+        }
+    }
+    let mut near = Vec::new();
     let mut joints: Vec<Option<Joint>> = vec![None; lines.len()];
     for (n, line) in lines.iter().enumerate() {
         work.step(n as f32 / lines.len() as f32)?;
         let Some(&[x, y, _]) = line.0.last() else { continue };
         let mut best = snap;
-        for (other, candidate) in lines.iter().enumerate() {
-            let [west, north, east, south] = boxes[other];
-            if other == n || !(west..=east).contains(&x) || !(north..=south).contains(&y) {
-                continue;
-            }
+        grid.collect(Bounds { min: [x - snap, y - snap], max: [x + snap, y + snap] }, &mut near);
+        for &other in near.iter().filter(|&&other| other as usize != n) {
+            let (other, candidate) = (other as usize, &lines[other as usize]);
             // The way down from there must not come back here.
             let way = std::iter::successors(Some(other), |&line| joints[line].map(|joint: Joint| joint.line));
             if way.take(lines.len()).any(|line| line == n) {
@@ -97,13 +108,6 @@ fn settle(line: usize, piece: usize, share: f64, count: usize) -> Joint {
         return Joint { line, piece: piece + 1, share: 0.0 };
     }
     Joint { line, piece, share: if share >= 1.0 { 0.0 } else { share } }
-}
-
-fn bounds(line: &Polyline, margin: f64) -> [f64; 4] {
-    let start = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
-    let [west, north, east, south] =
-        line.0.iter().fold(start, |[w, n, e, s], &[x, y, _]| [w.min(x), n.min(y), e.max(x), s.max(y)]);
-    [west - margin, north - margin, east + margin, south + margin]
 }
 
 /// Distance from a place to a piece, and the share of the piece where it is nearest.

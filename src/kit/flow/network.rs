@@ -4,6 +4,7 @@ use super::flats::LOOK;
 use super::streams::StreamCell;
 use super::surface::Surface;
 use crate::kit::rivers::drainage::width;
+use crate::value::curves::MAX_HEIGHT;
 use crate::value::{Grid, RiverVertex};
 use crate::work::{Cancelled, Work};
 
@@ -38,7 +39,7 @@ pub fn vertices(
         RiverVertex {
             at: [grid.x(cell % cols), grid.y(cell / cols)],
             height: if surface.is_known(cell) {
-                f64::from(surface.at(cell).max(surface.sea()))
+                f64::from(surface.at(cell).max(surface.sea())).clamp(-MAX_HEIGHT, MAX_HEIGHT)
             } else {
                 UNKNOWN
             },

@@ -16,6 +16,7 @@ use crate::kit::delaunay::{Delaunay, NONE};
 use crate::kit::hash::{mix, unit};
 use crate::kit::predicates::Point;
 use crate::kit::voronoi;
+use crate::value::curves::MAX_HEIGHT;
 use crate::value::{Bounds, RiverVertex};
 use crate::work::{Cancelled, Work};
 
@@ -311,7 +312,7 @@ impl Tree<'_> {
             let below = self.filled.vertices[vertex[from] as usize];
             self.filled.vertices.push(RiverVertex {
                 at: self.net.point(to as u32),
-                height: below.height + self.rise * length,
+                height: (below.height + self.rise * length).min(MAX_HEIGHT),
                 down: Some(vertex[from]),
                 ..RiverVertex::default()
             });
@@ -335,7 +336,7 @@ impl Tree<'_> {
         };
         let outlets = self.given.iter().filter(|vertex| vertex.down.is_none());
         let height = outlets.map(over).fold(f64::INFINITY, f64::min);
-        RiverVertex { at, height, ..RiverVertex::default() }
+        RiverVertex { at, height: height.min(MAX_HEIGHT), ..RiverVertex::default() }
     }
 
     /// Puts the edges from a site to those that are not reached on the heap.

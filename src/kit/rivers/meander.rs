@@ -95,7 +95,7 @@ impl Winding {
         let nowhere = Bounds { min: [0.0; 2], max: [1.0; 2] };
         let around = Bounds::around(vertices.iter().map(|v| v.at)).unwrap_or(nowhere);
         let cell = if count > 0.0 { sum / count } else { 1.0 };
-        let mut grid = LinkGrid::new(around, cell);
+        let mut grid = LinkGrid::new(around, cell, vertices.len());
         links().for_each(|(i, segment)| grid.put(i as u32, segment));
         let chance = Chance::new(how.seed);
         Self { how, vertices: vertices.to_vec(), main, grid, chance, near: Vec::new() }

@@ -91,12 +91,15 @@ fn an_old_graph_of_curves_opens() {
 }
 
 #[test]
-fn curves_are_no_output() {
+fn curves_are_outputs_in_formats_of_lines() {
     let mut g = graph(&json!([]), None);
-    g["outputs"] = json!({ "lines": { "from": "lines.curves" } });
+    g["outputs"] = json!({
+        "lines": { "from": "lines.curves" }, "samples": { "from": "lines.curves", "format": "exr" },
+    });
     let g = Graph::from_bytes(g.to_string().as_bytes(), &Registry::standard()).unwrap();
-    let said = g.output_source("lines").unwrap_err().to_string();
-    assert!(said.contains("must be a field, vectors or colours, `lines.curves` is curves"), "{said}");
+    assert!(g.output_source("lines").is_ok());
+    let said = g.output_source("samples").unwrap_err().to_string();
+    assert!(said.contains("`format` exr holds samples on a grid, `lines.curves` is curves"), "{said}");
 }
 
 #[test]

@@ -11,8 +11,7 @@ use super::{heights, job, write};
 fn samples() -> Vec<(String, Vec<u8>, Option<Vec<u8>>)> {
     let terrain = Terrain::default();
     let value = heights(9, 7, |k| (k * 37 % 1000) as f32);
-    let mut all: Vec<_> = Format::ALL
-        .into_iter()
+    let mut all: Vec<_> = Format::of_samples()
         .map(|format| {
             let (bytes, sidecar) =
                 write(&job(&value, Writing { range: Some([0.0, 1000.0]), ..format.into() }, &terrain));

@@ -80,7 +80,9 @@ fn differences(
             g.assign("terrain.base", base).unwrap();
         }
         let e = engine(2);
-        for (output, _) in g.outputs().filter(|(name, _)| looked_at(name)) {
+        // Lines stand on no grid.
+        let is_raster = |name: &str| g.wire_type(&g.output_source(name).unwrap()).unwrap().is_raster();
+        for (output, _) in g.outputs().filter(|(name, _)| looked_at(name) && is_raster(name)) {
             let [coarse, middle, fine] =
                 sizes.map(|size| preset_output(&e, &g, output, grid(g.terrain(), size)));
             for (a, b) in [(&coarse, &middle), (&middle, &fine), (&coarse, &fine)] {
@@ -109,7 +111,8 @@ fn presets_show_the_same_heights_masks_and_colours_at_every_size() {
 #[test]
 fn presets_show_the_same_terrain_at_their_own_sizes() {
     let full = breadth();
-    let bad = differences(None, [513, 1025, 2049], 0.01, |name| full || name == "height");
+    // Beds of rivers are a cell and a half wide at least, so that they drain: a hundredth of the range and some more.
+    let bad = differences(None, [513, 1025, 2049], 0.012, |name| full || name == "height");
     assert!(bad.is_empty(), "{}", bad.join("\n"));
 }
 

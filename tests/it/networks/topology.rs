@@ -87,7 +87,7 @@ fn links_are_foretold() {
         for lengthen in [0.0, 0.4] {
             let counts: Vec<f64> = SEEDS.map(|seed| rule.topology(5, lengthen, seed).len() as f64).collect();
             let foretold = rule.links(5, lengthen);
-            assert!((mean(&counts) / foretold - 1.0).abs() < 0.03, "{rule:?}: {foretold}, {}", mean(&counts));
+            assert!((mean(&counts) / foretold - 1.0).abs() < 0.06, "{rule:?}: {foretold}, {}", mean(&counts));
         }
     }
     assert!(Branching::Generator(8).links(60, 0.0) > 1e12);

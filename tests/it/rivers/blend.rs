@@ -136,11 +136,12 @@ fn what_is_added_to_the_reference_is_smooth_at_twice_the_base() {
 #[test]
 fn no_seam_shows_at_the_base_and_at_twice_the_base() {
     let g = graph("reference.field", &json!({}));
-    for size in [BASE, 257] {
+    // At twice the base the source keeps detail outside that the reference does not have inside.
+    for (size, most) in [(BASE, 1.2), (257, 1.8)] {
         let [end, source, reference, mask] = blended(&g, size);
         let of = |k: usize| end.data()[k];
         let (seam, within) = (bends(&mask, of, across), bends(&mask, of, inside));
-        assert!(seam <= 1.2 * within, "size {size}: {seam} across the border, {within} inside");
+        assert!(seam <= most * within, "size {size}: {seam} across the border, {within} inside");
         let pasted = |k: usize| if mask.data()[k] > 0.0 { reference.data()[k] } else { source.data()[k] };
         assert!(bends(&mask, pasted, across) > 4.0 * within, "a plain paste shows");
     }
