@@ -1,6 +1,6 @@
 //! Water over a terrain: filling, ways and areas, of 2048² and 4096² samples.
 //!
-//! What others take at 2048²: 0.355 s to fill (TopoToolbox), 0.30 s for D8 with areas (HighMap).
+//! What others take at 2048²: 0.355 s to fill (`TopoToolbox`), 0.30 s for D8 with areas (`HighMap`).
 
 use divan::Bencher;
 use divan::counter::ItemsCount;

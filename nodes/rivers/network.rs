@@ -28,9 +28,12 @@ pub fn changed(rivers: &Rivers) -> Vec<RiverVertex> {
     rivers.vertices().to_vec()
 }
 
-/// Vertices of the network at an input, where it is known.
+/// Vertices that a plan takes a network to have that is not known yet: as many as those of rich presets.
+const UNKNOWN: f64 = 80_000.0;
+
+/// Vertices of the network at an input.
 pub fn vertices(load: &Load<'_>) -> f64 {
-    load.object::<Rivers>("rivers").map_or(0.0, |rivers| rivers.len() as f64)
+    load.object::<Rivers>("rivers").map_or(UNKNOWN, |rivers| rivers.len() as f64)
 }
 
 /// The cost of work on so many vertices.

@@ -54,7 +54,7 @@ pub fn next(edge: usize) -> usize {
 /// The previous half-edge around a triangle.
 #[inline]
 pub fn previous(edge: usize) -> usize {
-    if edge % 3 == 0 { edge + 2 } else { edge - 1 }
+    if edge.is_multiple_of(3) { edge + 2 } else { edge - 1 }
 }
 
 impl Delaunay {

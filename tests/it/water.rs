@@ -82,7 +82,7 @@ fn water_stands_in_lakes_and_ends_at_the_dam() {
     }
     assert!(depth.range().unwrap().1 > 0.5);
     let few: Field =
-        take(&mut of_height("lakes", &json!({ "smallest": 20_000, "shallowest": 1 }), height), "label");
+        take(&mut of_height("lakes", &json!({ "smallest": 2000, "shallowest": 0.2 }), height), "label");
     assert!(few.range().unwrap().1 < label.range().unwrap().1 && few.range().unwrap().1 > 0.0);
 }
 

@@ -61,7 +61,7 @@ pub(super) fn measure(land: &Land, work: &Work<'_>) -> Result<(Option<Slope>, Op
     let least = (4.0 * step / land.cell()).max(1e-4);
     let rows: Vec<usize> = (0..land.rows()).collect();
     let of_row = |j: &usize| -> Result<Row, Cancelled> {
-        if j % 64 == 0 {
+        if j.is_multiple_of(64) {
             work.step(*j as f32 / land.rows() as f32)?;
         }
         Ok(Row::of(land, *j, least))

@@ -291,12 +291,12 @@ impl Tree<'_> {
         self.filled.first_added = self.given.len();
         let starts = self.net.starts();
         let mut heap = BinaryHeap::new();
-        for site in 0..self.roots {
+        for (site, (way, vertex)) in way.iter_mut().zip(&mut vertex).take(self.roots).enumerate() {
             if site >= self.given.len() {
-                way[site] = spacing;
+                *way = spacing;
                 self.filled.vertices.push(self.outlet(site));
             }
-            vertex[site] = site as u32;
+            *vertex = site as u32;
         }
         for site in 0..self.roots {
             self.open(site, &starts, &vertex, way[site], &mut heap);

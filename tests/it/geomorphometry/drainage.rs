@@ -182,7 +182,7 @@ fn a_network_by_the_law_of_tokunaga_is_recognised() {
         near(law.a, a as f64, 1e-9);
         near(law.c, c as f64, 1e-9);
         // The number of streams of each order, by counting back from the one of the highest.
-        let mut streams = vec![0usize; 7];
+        let mut streams = [0usize; 7];
         streams[6] = 1;
         for order in (1..6).rev() {
             let side = (order + 1..=6)

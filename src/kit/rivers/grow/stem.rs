@@ -65,12 +65,12 @@ impl Stem {
 
     /// Direction of the tip that sprouts in a step, in radians.
     pub(super) fn heading(&self, step: u32) -> f64 {
-        self.direction + if step % 2 == 0 { self.turn } else { 0.0 }
+        self.direction + if step.is_multiple_of(2) { self.turn } else { 0.0 }
     }
 
     /// The side to which the tip turns in a step: 1 to growing angles, -1 to falling ones.
     pub(super) fn side(&self, step: u32) -> f64 {
         let side = if self.turn < 0.0 { -1.0 } else { 1.0 };
-        if step % 2 == 0 { side } else { -side }
+        if step.is_multiple_of(2) { side } else { -side }
     }
 }
