@@ -85,9 +85,11 @@ fn statistics_of_a_2_1_network_are_those_of_generator_2() {
 fn links_are_foretold() {
     for rule in [Branching::Generator(3), Branching::Generator(8), Branching::Statistics { a: 1.2, c: 3.0 }] {
         for lengthen in [0.0, 0.4] {
-            let counts: Vec<f64> = SEEDS.map(|seed| rule.topology(5, lengthen, seed).len() as f64).collect();
+            // Sizes vary by a fifth from seed to seed.
+            let counts: Vec<f64> =
+                (0..1000).map(|seed| rule.topology(5, lengthen, seed).len() as f64).collect();
             let foretold = rule.links(5, lengthen);
-            assert!((mean(&counts) / foretold - 1.0).abs() < 0.06, "{rule:?}: {foretold}, {}", mean(&counts));
+            assert!((mean(&counts) / foretold - 1.0).abs() < 0.03, "{rule:?}: {foretold}, {}", mean(&counts));
         }
     }
     assert!(Branching::Generator(8).links(60, 0.0) > 1e12);
