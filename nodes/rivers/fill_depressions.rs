@@ -43,11 +43,16 @@ pub enum Mode {
     },
     /// Channels are cut from their deepest places over the lowest passes.
     Breach {
-        /// Greatest depth of a cut; none for as deep as it takes.
-        #[serde(default)]
+        /// Greatest depth of a cut.
+        #[serde(default = "any_depth")]
         #[schemars(range(min = 0.0, max = 10_000.0), extend("x-soft" = [0.0, 100.0]))]
-        deepest: Option<Metres>,
+        deepest: Metres,
     },
+}
+
+/// As deep as it takes.
+fn any_depth() -> Metres {
+    Metres(10_000.0)
 }
 
 ports! {
@@ -93,7 +98,7 @@ impl Node for FillDepressions {
                 depressions.filled(&surface, &cx.work.stage(0.9, 1.0))?
             }
             Mode::Slope { rise } => epsilon::fill(&surface, rise.0, &cx.work)?,
-            Mode::Breach { deepest } => breach::cut(&surface, deepest.map(|depth| depth.0), &cx.work)?,
+            Mode::Breach { deepest } => breach::cut(&surface, Some(deepest.0), &cx.work)?,
         };
         Ok(Outputs { height: Field::new(cx.grid, height.quantity(), drained) })
     }

@@ -53,7 +53,7 @@ fn fill_depressions_raises_or_cuts() {
     };
     let (fill, slope) = (after(json!("fill")), after(json!({ "slope": { "rise": 0.001 } })));
     let (cut, some) =
-        (after(json!({ "breach": { "deepest": null } })), after(json!({ "breach": { "deepest": 0.5 } })));
+        (after(json!({ "breach": {} })), after(json!({ "breach": { "deepest": 0.5 } })));
     assert!(changed(&fill, true) > 100 && changed(&slope, true) >= changed(&fill, true));
     assert!(changed(&cut, false) > 20);
     assert!(some.data().iter().zip(before.data()).any(|(a, b)| a > b), "what is deeper is filled");

@@ -298,8 +298,8 @@ impl Tree<'_> {
             }
             *vertex = site as u32;
         }
-        for site in 0..self.roots {
-            self.open(site, &starts, &vertex, way[site], &mut heap);
+        for (site, &way) in way.iter().enumerate().take(self.roots) {
+            self.open(site, &starts, &vertex, way, &mut heap);
         }
         let mut done = 0;
         while let Some(Edge { from, to, length, .. }) = heap.pop() {
