@@ -88,7 +88,10 @@ fn blend(bencher: Bencher<'_, '_>, size: usize, gradients: Gradients) {
     let (source, reference) = (ground(&grid, 1), ground(&grid, 2));
     // A disc of half the width.
     let inside = |k: usize| {
-        let far = |v: usize| (v as f64 / size as f64 - 0.5).powi(2);
+        let far = |v: usize| {
+            let off = v as f64 / size as f64 - 0.5;
+            off * off
+        };
         far(k % size) + far(k / size) < 0.0625
     };
     let mask: Vec<f32> = (0..grid.len()).map(|k| f32::from(u8::from(inside(k)))).collect();

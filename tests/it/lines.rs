@@ -58,7 +58,7 @@ fn apart(a: &Curves, b: &Curves) -> [f64; 2] {
     let mut most = [0.0_f64; 2];
     for (a, b) in a.iter().zip(b.iter()) {
         for ((p, h), (q, k)) in a.sketch().into_iter().zip(points(b, a.sketch().len())) {
-            most[0] = most[0].max((p[0] - q[0]).hypot(p[1] - q[1]));
+            most[0] = most[0].max(libm::hypot(p[0] - q[0], p[1] - q[1]));
             most[1] = most[1].max((h.unwrap() - k.unwrap()).abs());
         }
     }
@@ -195,7 +195,7 @@ fn rivers_come_back_as_they_were() {
             // The corner of the terrain is taken off and put on again, which rounds places.
             Format::Geojson => {
                 for (a, b) in back.vertices().iter().zip(rivers().vertices()) {
-                    assert!((a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]) < 1e-9);
+                    assert!(libm::hypot(a.at[0] - b.at[0], a.at[1] - b.at[1]) < 1e-9);
                     let at = b.at;
                     assert_eq!(RiverVertex { at, length: 0.0, ..*a }, RiverVertex { length: 0.0, ..*b });
                 }
@@ -204,7 +204,7 @@ fn rivers_come_back_as_they_were() {
             _ => {
                 let pairs = level(&back).into_iter().zip(level(&rivers()));
                 for (a, b) in pairs {
-                    assert!((a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]) < 1e-6);
+                    assert!(libm::hypot(a.at[0] - b.at[0], a.at[1] - b.at[1]) < 1e-6);
                     assert_eq!((a.down, a.area, a.width, a.order), (b.down, b.area, b.width, b.order));
                 }
             }

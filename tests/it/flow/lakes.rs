@@ -19,7 +19,7 @@ proptest! {
     fn lakes_are_connected_water_of_one_level(ground in grounds()) {
         let (found, level) = (lakes(&ground, Puddles::default()), ground.lowest(|height| height));
         let mut cells = vec![0; found.lakes.len() + 1];
-        for cell in 0..ground.len() {
+        for cell in numbers(ground.len()) {
             let label = found.label[cell];
             prop_assert_eq!(label > 0, level[cell] > ground.height[cell]);
             cells[label as usize] += 1;
@@ -80,7 +80,7 @@ fn levels_reach_two_cells_beyond_and_shores_stop_at_the_dam() {
     let widened = found.widened(&surface, 2, &work).unwrap();
     let shores = found.with_shores(&surface, &widened, &work).unwrap();
     let (mut beyond, mut shore) = (0, 0);
-    for cell in 0..ground.len() {
+    for cell in numbers(ground.len()) {
         let far = |n: usize| {
             let (c, r) = (cell % 45, cell / 45);
             let near = |i: usize| (i % 45).abs_diff(c) <= n && (i / 45).abs_diff(r) <= n;
@@ -98,4 +98,9 @@ fn levels_reach_two_cells_beyond_and_shores_stop_at_the_dam() {
             usize::from(widened[cell] == 1 && ground.height[cell] < lake.level && found.label[cell] == 0);
     }
     assert!(beyond > 0 && shore > 20, "{beyond} {shore}");
+}
+
+/// The numbers of so many cells.
+fn numbers(count: usize) -> std::ops::Range<usize> {
+    0..count
 }

@@ -37,7 +37,7 @@ proptest! {
     #[test]
     fn every_way_ends_at_an_outlet_and_climbs_no_more_than_it_must(ground in grounds()) {
         let (tree, level) = (tree(&ground), ground.lowest(|height| height));
-        for cell in 0..ground.len() {
+        for cell in numbers(ground.len()) {
             let way = way(&tree, cell);
             prop_assert!(ground.is_seed(*way.last().unwrap()));
             prop_assert_eq!(tree.receiver(cell).is_some() || ground.is_seed(cell), true);
@@ -73,7 +73,7 @@ proptest! {
         let (surface, tree, filled) = (ground.surface(), tree(&ground), filled(&ground));
         for rule in RULES {
             let spread = Spread::new(surface, &tree, &filled, rule);
-            for cell in 0..ground.len() {
+            for cell in numbers(ground.len()) {
                 let shares = spread.shares(cell);
                 let sum: f64 = shares.iter().sum();
                 let wanted = if tree.receiver(cell).is_some() { 1.0 } else { 0.0 };
@@ -90,7 +90,7 @@ proptest! {
         let tree = tree(&ground);
         let basins = tree.basins(|cell| ground.is_land(cell), &Work::default()).unwrap();
         let mut outlets = std::collections::BTreeMap::new();
-        for cell in 0..ground.len() {
+        for cell in numbers(ground.len()) {
             prop_assert_eq!(basins[cell] > 0, ground.is_land(cell));
             if basins[cell] > 0 {
                 let outlet = *way(&tree, cell).last().unwrap();
@@ -108,7 +108,7 @@ proptest! {
         let tree = tree(&ground);
         let mut count = vec![0u32; ground.len()];
         let distance = tree.distance(&Work::default()).unwrap();
-        for cell in 0..ground.len() {
+        for cell in numbers(ground.len()) {
             let way = way(&tree, cell);
             if ground.is_land(cell) {
                 way.iter().for_each(|&i| count[i] += 1);
@@ -177,4 +177,9 @@ fn the_water_of_a_pit_keeps_to_the_bottom_of_its_valley() {
     let from = way.iter().position(|i| i / 21 > 20).unwrap();
     assert!(way[from..].iter().all(|i| i % 21 == 10), "{:?}", &way[from..]);
     assert_eq!(way.last(), Some(&(59 * 21 + 10)));
+}
+
+/// The numbers of so many cells.
+fn numbers(count: usize) -> std::ops::Range<usize> {
+    0..count
 }

@@ -65,7 +65,7 @@ fn a_comb_winds_without_links_that_touch() {
         let rivers = wind(&comb(), 0.3, 25.0, seed);
         assert_eq!(touching(&rivers), Vec::<[usize; 2]>::new(), "seed {seed}");
         let v = rivers.vertices();
-        let long = |(a, b): (usize, usize)| (v[a].at[0] - v[b].at[0]).hypot(v[a].at[1] - v[b].at[1]);
+        let long = |(a, b): (usize, usize)| libm::hypot(v[a].at[0] - v[b].at[0], v[a].at[1] - v[b].at[1]);
         let too_long = rivers.links().filter(|&link| long(link) > 25.0).count();
         assert!(
             too_long * 20 < rivers.len(),
@@ -102,7 +102,7 @@ fn without_chance_a_right_angle_becomes_round() {
         else {
             return 0.0;
         };
-        let heading = |a: usize, b: usize| (v[b].at[1] - v[a].at[1]).atan2(v[b].at[0] - v[a].at[0]);
+        let heading = |a: usize, b: usize| libm::atan2(v[b].at[1] - v[a].at[1], v[b].at[0] - v[a].at[0]);
         let turn = (heading(up, i) - heading(i, down)).abs();
         turn.min(2.0 * std::f64::consts::PI - turn).to_degrees()
     };

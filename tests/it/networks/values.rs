@@ -108,7 +108,8 @@ fn rivers_refuse_what_is_no_forest() {
 
 #[test]
 fn rivers_refuse_numbers_out_of_range_by_name() {
-    let set: [(&str, fn(&mut RiverVertex, f64)); 5] = [
+    type Setter = fn(&mut RiverVertex, f64);
+    let set: [(&str, Setter); 5] = [
         ("x", |v, x| v.at[0] = x),
         ("y", |v, x| v.at[1] = x),
         ("height", |v, x| v.height = x),

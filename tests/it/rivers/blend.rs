@@ -61,7 +61,7 @@ fn bends(mask: &Field, of: impl Fn(usize) -> f32, picked: impl Fn([f64; 3]) -> b
     let grid = *mask.grid();
     let depth = |k: usize| {
         let (x, y) = (grid.x(k % grid.cols), grid.y(k / grid.cols));
-        (1300.0 - (x - 1900.0).hypot(y - 2100.0)) / grid.cell()
+        (1300.0 - libm::hypot(x - 1900.0, y - 2100.0)) / grid.cell()
     };
     let mut all = Vec::new();
     for j in 1..grid.rows - 1 {

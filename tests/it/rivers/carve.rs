@@ -83,7 +83,7 @@ fn drained(carved: &Carved) -> (usize, usize) {
         beds += 1;
         // The lowest height of the main river is that of the samples within half a bed of its outlet.
         let reach = 2.0 * carving(&grid).cell.max(30.0);
-        drained += usize::from((grid.x(at[0])).hypot(grid.y(at[1]) - 200.0) < reach);
+        drained += usize::from(libm::hypot(grid.x(at[0]), grid.y(at[1]) - 200.0) < reach);
     }
     (beds, drained)
 }
@@ -114,7 +114,7 @@ fn beds_are_connected_and_have_the_lowest_height_within_half_their_width() {
             for step in 0..=4000 {
                 let t = f64::from(step) / 4000.0;
                 let at = [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
-                if (at[0] - x).hypot(at[1] - y) <= half {
+                if libm::hypot(at[0] - x, at[1] - y) <= half {
                     lowest = lowest.min(low + t * (high - low));
                 }
             }
@@ -145,8 +145,8 @@ fn samples_beside_a_bed_stand_above_it_and_those_beyond_the_banks_stay() {
         let far = links.iter().all(|link| {
             let ends = link.line.ends;
             let middle = [(ends[0][0] + ends[1][0]) / 2.0, (ends[0][1] + ends[1][1]) / 2.0];
-            let half = (ends[0][0] - ends[1][0]).hypot(ends[0][1] - ends[1][1]) / 2.0;
-            (middle[0] - grid.x(i)).hypot(middle[1] - grid.y(j)) > half + 0.75 * CELL + 40.0 + CELL
+            let half = libm::hypot(ends[0][0] - ends[1][0], ends[0][1] - ends[1][1]) / 2.0;
+            libm::hypot(middle[0] - grid.x(i), middle[1] - grid.y(j)) > half + 0.75 * CELL + 40.0 + CELL
         });
         if far {
             assert_eq!(carved.height.data()[k].to_bits(), land.data()[k].to_bits());

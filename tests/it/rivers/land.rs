@@ -97,7 +97,7 @@ fn stranded(height: &Field, bed: &Field, rivers: &Rivers) -> (usize, Vec<[usize;
         let on_border = i == 0 || j == 0 || i + 1 == grid.cols || j + 1 == grid.rows;
         let near = |o: usize| {
             let [x, y] = rivers.vertices()[o].at;
-            (x - grid.x(i)).hypot(y - grid.y(j)) <= 2.0 * cell
+            libm::hypot(x - grid.x(i), y - grid.y(j)) <= 2.0 * cell
         };
         on_border || rivers.outlets().any(near)
     };
@@ -203,7 +203,7 @@ fn pictures_cover_what_lines_cover_and_orders_have_their_colours() {
         })
         .map(|(a, b)| {
             let ([ax, ay], [bx, by]) = (rivers.vertices()[a].at, rivers.vertices()[b].at);
-            (ax - bx).hypot(ay - by)
+            libm::hypot(ax - bx, ay - by)
         })
         .sum();
     let wanted = (length * 32.0 / 4096.0 / 4096.0) as f32;

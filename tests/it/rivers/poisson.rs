@@ -45,7 +45,7 @@ impl Scene {
     /// A disc with a hole, off the middle.
     fn ring(cols: usize, rows: usize) -> Self {
         Self::new(cols, rows, |x, y| {
-            let far = |a: f64, b: f64| (x - a).hypot(y - b);
+            let far = |a: f64, b: f64| libm::hypot(x - a, y - b);
             far(0.45, 0.5) < 0.35 && far(0.5, 0.45) > 0.08
         })
     }
