@@ -7,7 +7,7 @@ use crate::prelude::*;
 /// Sets the heights of river beds, from their outlets up.
 ///
 /// `even` is the paper's profile: the length to the outlet times a slope [zhang2016, section IV.C]. `concave` is that of
-/// real rivers: slopes go with `area ^ -concavity` [flint1974], steep at the sources and flat at the mouth, scaled so that
+/// real rivers: slopes go with `area ^ -concavity` \[flint1974\], steep at the sources and flat at the mouth, scaled so that
 /// one vertex in a hundred is more than `relief` above its outlet. Outlets keep their height.
 ///
 /// Rivers of one length to the sea are as high, whatever lies between them; so where water of a long way runs beside that

@@ -10,7 +10,7 @@ use crate::value::{Bounds, RiverVertex};
 /// Grows river networks along straight lines, each from an estuary to a place inland.
 ///
 /// A line becomes a network of depth `length / longer side of the terrain · max_depth`, rounded and at least 1
-/// [zhang2016, equation (3)]. Its first link is exterior: it starts at a source. In each step every link is replaced by a
+/// \[zhang2016, equation (3)\]. Its first link is exterior: it starts at a source. In each step every link is replaced by a
 /// generator. An exterior one becomes φ interior links in a row, with a branch between each two and two at the end; an
 /// interior one gets R branches, with `R = P (φ - 1)` and `P = (1 + √(1 + 4φ)) / 2φ` (1). Links are `Pφ` times shorter in
 /// each step (2). Branches at the end leave by the branch angle θ, others by 2θ, on alternating sides. φ 2 gives a
@@ -23,13 +23,13 @@ use crate::value::{Bounds, RiverVertex};
 /// does.
 ///
 /// With φ the means of Tokunaga's side branches are `T_1 = φ - 1` and `T_k = R φ (R + 1)^(k - 2)`, and Horton's bifurcation
-/// ratio is `φ + 1 + R`: 4 for φ 2, 5.54 for 3, 6.92 for 4. `statistics` takes `T_k = a c^(k - 1)` [peckham1995] instead,
+/// ratio is `φ + 1 + R`: 4 for φ 2, 5.54 for 3, 6.92 for 4. `statistics` takes `T_k = a c^(k - 1)` \[peckham1995\] instead,
 /// and holds it exactly in the mean: exterior links take generator 1 + a, an interior link in its j-th step as one
 /// `R_j = a c^j / (1 + a (1 + c + … + c^(j - 1)))`. Fractions of a generator are probabilities. Real networks have a from
 /// 0.65 to 1.4 and c from 1.3 to 3.8.
 ///
 /// Beds rise from their estuary by `slope`; `river_profile` sets better heights. The area that drains through a vertex is
-/// that of the Voronoi cells upstream inside the terrain, the width of a river grows with its root [leopold1953].
+/// that of the Voronoi cells upstream inside the terrain, the width of a river grows with its root \[leopold1953\].
 ///
 /// # Differs from the paper
 /// Generator k of an interior link has k + 1 interior and k exterior links (`F[++G]F`); the printed `F[-G]F[-G][+G]` makes

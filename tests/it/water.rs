@@ -52,8 +52,7 @@ fn fill_depressions_raises_or_cuts() {
         both().filter(|(a, b)| a != b).count()
     };
     let (fill, slope) = (after(json!("fill")), after(json!({ "slope": { "rise": 0.001 } })));
-    let (cut, some) =
-        (after(json!({ "breach": {} })), after(json!({ "breach": { "deepest": 0.5 } })));
+    let (cut, some) = (after(json!({ "breach": {} })), after(json!({ "breach": { "deepest": 0.5 } })));
     assert!(changed(&fill, true) > 100 && changed(&slope, true) >= changed(&fill, true));
     assert!(changed(&cut, false) > 20);
     assert!(some.data().iter().zip(before.data()).any(|(a, b)| a > b), "what is deeper is filled");

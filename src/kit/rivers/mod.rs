@@ -2,7 +2,7 @@
 //!
 //! # Theory
 //! A self-similar network is grown by replacing each link by a generator again and again \[zhang2016, section IV\]: an
-//! exterior link, one that starts at a source, by generator φ, an interior one by generator R. [`Branching`] has both.
+//! exterior link, one that starts at a source, by generator φ, an interior one by generator R. [`branching::Branching`] has both.
 //! Side branches of such a network are as many as Tokunaga's law says, `T_k = a c^(k-1)` \[peckham1995\].
 //!
 //! # Practice
