@@ -29,7 +29,7 @@ pub fn changed(rivers: &Rivers) -> Vec<RiverVertex> {
 }
 
 /// Vertices that a plan takes a network to have that is not known yet: as many as those of rich presets.
-const UNKNOWN: f64 = 80_000.0;
+const UNKNOWN: f64 = 100_000.0;
 
 /// Vertices of the network at an input.
 pub fn vertices(load: &Load<'_>) -> f64 {
