@@ -56,8 +56,8 @@ fn watched(engine: &Engine, graph: &Graph, wants: &[Want]) -> (u64, Evaluation) 
 fn faults(name: &str, graph: &Graph, tiles: &[Grid]) -> Vec<String> {
     let whole = wants(graph, tiles[0]);
     let least = engine(1, u64::MAX, Keep::Lasting).plan(graph, &whole).peak_bytes();
-    // With what the allocator holds back.
-    let memory = least + least / 10;
+    // With what the allocator holds back, and the size of networks, which only a run tells.
+    let memory = least + least / 8;
     let (alone, many) = (engine(1, memory, Keep::Lasting), engine(4, memory, Keep::Lasting));
     let mut faults = Vec::new();
     for (i, tile) in tiles.iter().enumerate() {

@@ -45,7 +45,7 @@ fn rivers_nodes_give_a_drained_skeleton_by_default() {
     let values: Vec<_> = found.values.iter().map(|value| value.as_ref().unwrap()).collect();
     let [plain, beds] = [0, 1].map(|i| values[i].object::<Rivers>().unwrap());
     let ridges = values[2].object::<Ridges>().unwrap();
-    assert!(plain.len() > 100 && beds.len() > plain.len() && !ridges.is_empty());
+    assert!(plain.len() > 10 && beds.len() > plain.len() && !ridges.is_empty());
     for (upper, lower) in beds.links() {
         assert!(beds.vertices()[upper].height > beds.vertices()[lower].height);
         assert!(beds.vertices()[upper].area <= beds.vertices()[lower].area);
