@@ -5,4 +5,5 @@ mod carve;
 mod enrich;
 mod land;
 mod poisson;
+mod presets;
 mod skeleton;

@@ -60,9 +60,8 @@ impl<'a> Spread<'a> {
         if k == NONE {
             return ([0.0; 8], [0.0; 2]);
         }
-        let divided = (self.filled[cell] <= self.surface.at(cell)).then(|| {
-            let around = self.heights_around(cell);
-            let here = f64::from(solid(self.filled[cell]));
+        let divided = self.is_dry(cell).then(|| {
+            let (here, around) = self.heights(cell);
             match self.rule {
                 Rule::Infinity => steepest_facet(here, &around),
                 Rule::Slopes { exponent } => by_slope(here, &around, exponent),
@@ -73,6 +72,28 @@ impl<'a> Spread<'a> {
             shares[usize::from(k)] = 1.0;
             (shares, unit(k))
         })
+    }
+
+    /// The neighbours that get water of a cell, one bit each. Slopes tell them without their powers, which take longest.
+    fn receivers(&self, cell: usize) -> u8 {
+        let k = self.tree.directions()[cell];
+        if k != NONE && matches!(self.rule, Rule::Slopes { .. }) && self.is_dry(cell) {
+            let (here, around) = self.heights(cell);
+            let lower = bits(|k| around[k] < here);
+            return if lower == 0 { 1 << k } else { lower };
+        }
+        let shares = self.shares(cell);
+        bits(|k| shares[k] > 0.0)
+    }
+
+    /// Whether filling leaves a cell as it is.
+    fn is_dry(&self, cell: usize) -> bool {
+        self.filled[cell] <= self.surface.at(cell)
+    }
+
+    /// The filled heights of a cell and of its neighbours.
+    fn heights(&self, cell: usize) -> (f64, [f64; 8]) {
+        (f64::from(solid(self.filled[cell])), self.heights_around(cell))
     }
 
     /// Filled heights of the neighbours; infinite beyond the border.
@@ -93,12 +114,10 @@ impl<'a> Spread<'a> {
         let mut receivers = vec![0u8; amount.len()];
         work.stage(0.0, 0.4).rows(&mut receivers, cols, band(cols), |j, row| {
             for (i, out) in row.iter_mut().enumerate() {
-                let shares = self.shares(j * cols + i);
-                *out = (0..8).filter(|&k| shares[k] > 0.0).fold(0, |set, k| set | 1 << k);
+                *out = self.receivers(j * cols + i);
             }
         })?;
         let mut missing = donors(self.surface.cells, |cell| receivers[cell], &work.stage(0.4, 0.5))?;
-        drop(receivers);
         let (n, mut steps, mut ready) = (amount.len(), 0, Vec::new());
         for first in 0..n {
             if missing[first] == 0 {
@@ -112,7 +131,10 @@ impl<'a> Spread<'a> {
                     work.step(0.5 + 0.5 * steps as f32 / n as f32)?;
                 }
                 let sum = amount[cell];
-                for (k, share) in (0..8u8).zip(self.shares(cell)).filter(|&(_, share)| share > 0.0) {
+                // A share may be too small for a number: its cell still has one donor less to come.
+                for (k, share) in
+                    (0..8u8).zip(self.shares(cell)).filter(|&(k, _)| receivers[cell] >> k & 1 == 1)
+                {
                     let down = self.surface.cells.step(cell, k);
                     amount[down] += sum * share;
                     missing[down] -= 1;
@@ -124,6 +146,11 @@ impl<'a> Spread<'a> {
         }
         Ok(amount)
     }
+}
+
+/// The neighbours that a test picks, one bit each.
+fn bits(picks: impl Fn(usize) -> bool) -> u8 {
+    (0..8).filter(|&k| picks(k)).fold(0, |set, k| set | 1 << k)
 }
 
 type Divided = ([f64; 8], [f64; 2]);
