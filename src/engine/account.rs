@@ -140,14 +140,14 @@ fn with_mixing(cost: Cost, step: &Step, grid: &Grid) -> Cost {
 }
 
 /// Marks the results that stay for the next evaluation: those on the base grid, or without a grid, that every tile
-/// reads. Values decoded from files stay, too; returns their bytes, which no longer count in the tasks.
+/// reads. A network that a kind found on the base grid is read by tiles as it is, without a lift. Values decoded from files stay, too; returns their bytes, which no longer count in the tasks.
 pub(super) fn mark_lasting(tasks: &mut [Task]) -> u64 {
     let mut lasting: Vec<usize> = Vec::new();
     for task in tasks.iter() {
         for (role, need) in &task.needs {
-            let gridless =
-                tasks[*need].stage == Stage::Gridless && matches!(task.stage, Stage::Run | Stage::Lift);
-            if gridless || matches!(role, Role::Base | Role::Before(_) | Role::Summary) {
+            let is_of_all_tiles = matches!(tasks[*need].stage, Stage::Gridless | Stage::Base);
+            let reads_as_it_is = is_of_all_tiles && matches!(task.stage, Stage::Run | Stage::Lift);
+            if reads_as_it_is || matches!(role, Role::Base | Role::Before(_) | Role::Summary) {
                 lasting.push(*need);
             }
         }
