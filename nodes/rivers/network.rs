@@ -5,7 +5,7 @@ use crate::kit::flow::network::lower;
 use crate::kit::rivers::drainage;
 use crate::node::{Context, Cost, Error, Load, Result};
 use crate::units::Metres;
-use crate::value::{RiverFault, RiverVertex, Rivers};
+use crate::value::{GUESSED_VERTICES, RiverFault, RiverVertex, Rivers};
 
 /// Most links that a kind makes.
 pub const MAX_LINKS: f64 = 4.0e6;
@@ -28,12 +28,9 @@ pub fn changed(rivers: &Rivers) -> Vec<RiverVertex> {
     rivers.vertices().to_vec()
 }
 
-/// Vertices that a plan takes a network to have that is not known yet: as many as those of rich presets.
-const UNKNOWN: f64 = 100_000.0;
-
 /// Vertices of the network at an input.
 pub fn vertices(load: &Load<'_>) -> f64 {
-    load.object::<Rivers>("rivers").map_or(UNKNOWN, |rivers| rivers.len() as f64)
+    load.object::<Rivers>("rivers").map_or(GUESSED_VERTICES as f64, |rivers| rivers.len() as f64)
 }
 
 /// The cost of work on so many vertices.

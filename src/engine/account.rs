@@ -12,7 +12,7 @@ use super::outputs::Outputs;
 use super::plan::{Role, Stage, Task, Wanted};
 use super::program::Step;
 use crate::node::{Cost, Detail, Load};
-use crate::ports::MASK;
+use crate::ports::{MASK, Port};
 use crate::value::{Grid, Terrain};
 
 /// The peak of memory of a plan.
@@ -53,8 +53,10 @@ impl Sizes {
             return Self { cost, output_bytes: bytes, file_bytes: 0 };
         }
         let bytes_of = |all: Outputs| {
-            let sample: u64 = all.ports(&step.kind).map(|p| p.wire.sample_bytes()).sum();
-            sample.saturating_mul(grid.len() as u64)
+            let bytes = |p: &Port| {
+                p.wire.sample_bytes().saturating_mul(grid.len() as u64).saturating_add(p.wire.guessed_bytes())
+            };
+            all.ports(&step.kind).map(bytes).fold(0, u64::saturating_add)
         };
         let output_bytes = if stage == Stage::Summary { SUMMARY_BYTES } else { bytes_of(read) };
         let mut cost = cost(step, stage, grid, terrain, read, foretold);
@@ -164,6 +166,12 @@ pub(super) fn mark_lasting(tasks: &mut [Task]) -> u64 {
         }
     }
     files.into_values().fold(0, u64::saturating_add)
+}
+
+/// Marks the results whose size is not known before they are there: they are made first, all of them stay until the rest
+/// is planned with what they hold, and the guess counts them so.
+pub(super) fn mark_guessed(tasks: &mut [Task]) {
+    tasks.iter_mut().filter(|task| task.guessed).for_each(|task| task.lasting = true);
 }
 
 /// Bytes that count as alive before any task runs: results in memory, and results that will stay.

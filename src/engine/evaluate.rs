@@ -80,6 +80,8 @@ impl Engine {
         let first = self.evaluate_plan(graph, &guessed, first, Keep::Everything, observer, cancel)?;
         let plan = self.plan_of(graph, wants, (sources, Stock::All), cancel)?;
         let mut evaluation = self.evaluate_plan(graph, wants, plan, self.keep, observer, cancel)?;
+        evaluation.peak_bytes = evaluation.peak_bytes.max(first.peak_bytes);
+        evaluation.planned_bytes = evaluation.planned_bytes.max(first.planned_bytes);
         for task in first.tasks {
             let same = |t: &&mut TaskReport| (&t.node, t.stage) == (&task.node, task.stage);
             if let Some(again) = evaluation.tasks.iter_mut().find(same).filter(|t| t.cached.is_some()) {
@@ -108,7 +110,8 @@ impl Engine {
             // gains most is not known, so that each has a share of the spare memory. The memory of builds in tiles is
             // stated beforehand, so that they get no more than the plan says.
             let (results, files, ahead) = match keep {
-                Keep::Everything => (spare / 4, spare / 4, spare / 2),
+                // Results that were guessed have to stay for the plan that knows them.
+                Keep::Everything => ((spare / 4).max(plan.lasting_bytes()), spare / 4, spare / 2),
                 Keep::Lasting => (plan.lasting_bytes(), plan.shelf_bytes(), 0),
                 Keep::Nothing => (0, 0, 0),
             };

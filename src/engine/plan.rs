@@ -166,6 +166,7 @@ impl Plan {
     ) -> Option<Self> {
         let (mut tasks, wanted, cut_bytes) = Planner::new(&program, store, stock).plan(wants, cancel)?;
         let shelf_bytes = if lasting { account::mark_lasting(&mut tasks) } else { 0 };
+        account::mark_guessed(&mut tasks);
         let peak = account::peak(&tasks, &wanted, shelf_bytes, cut_bytes);
         let quantity = |want: &Result<Target, _>| {
             let (step, from, _) = want.as_ref().ok()?;

@@ -178,6 +178,7 @@ impl Object for Constraints {
         color: [226, 104, 20],
         pin: Pin::Polygon { corners: 6, turn: 0.0 },
         sample_bytes: 45,
+        guessed_bytes: 0,
         load: None,
         has_features: false,
     };

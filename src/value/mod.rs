@@ -23,7 +23,7 @@ pub use object::{
 pub use quantity::{Lift, Quantity};
 pub use raster::{Colors, Field, Raster, Sample, Vectors};
 pub use ridges::{MAX_RIDGES, RidgeEdge, RidgeFault, RidgeVertex, Ridges};
-pub use rivers::{RiverFault, RiverVertex, Rivers};
+pub use rivers::{GUESSED_VERTICES, RiverFault, RiverVertex, Rivers};
 pub use terrain::{Geo, MAX_BASE, MAX_EXTENT, MAX_SIZE, MIN_SIZE, Terrain};
 
 /// The type of a wire: what a port takes or gives.
@@ -79,6 +79,14 @@ impl WireType {
         match self {
             Self::Object(object) => object.sample_bytes,
             raster => 4 * raster.channels() as u64,
+        }
+    }
+
+    /// Bytes that a value without samples is taken to hold before it is there; 0 for what has samples.
+    pub fn guessed_bytes(self) -> u64 {
+        match self {
+            Self::Object(object) => object.guessed_bytes,
+            _ => 0,
         }
     }
 

@@ -25,6 +25,8 @@ pub struct ObjectType {
     pub pin: Pin,
     /// Bytes of one sample, at most, of what stands on a grid; 0 for what stands on none.
     pub sample_bytes: u64,
+    /// Bytes that a value without samples is taken to hold before it is there; 0 for what has samples.
+    pub guessed_bytes: u64,
     /// Reads what [`Object::save`] wrote, and nothing that has a fault. None where a cache folder does not keep it, since
     /// reading would take longer than making.
     pub load: Option<ObjectLoader>,

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::Value as Json;
 
 use super::curves::{MAX_COORDINATE, MAX_HEIGHT};
-use super::rivers::least_order;
+use super::rivers::{GUESSED_VERTICES, least_order};
 use super::{Feature, Features, Object, ObjectType, Pin, Sketch, SketchPoint, Value};
 
 /// Most vertices, and most edges, of ridges.
@@ -146,6 +146,9 @@ impl Object for Ridges {
         color: [213, 94, 0],
         pin: Pin::Polygon { corners: 3, turn: 0.0 },
         sample_bytes: 0,
+        // A Voronoi diagram has two vertices and three edges for a site.
+        guessed_bytes: (GUESSED_VERTICES * (2 * size_of::<RidgeVertex>() + 3 * size_of::<RidgeEdge>()))
+            as u64,
         load: Some(load),
         has_features: true,
     };

@@ -26,6 +26,7 @@ impl Object for Pegs {
             let pegs = Self(bytemuck::try_cast_slice(bytes).ok()?.into());
             pegs.fault().is_none().then(|| pegs.into())
         }),
+        guessed_bytes: 1000,
         has_features: true,
     };
 

@@ -16,6 +16,7 @@ impl Object for Curves {
         color: [0, 178, 130],
         pin: Pin::Polygon { corners: 4, turn: 0.0 },
         sample_bytes: 0,
+        guessed_bytes: 1 << 20,
         load: Some(load),
         has_features: true,
     };

@@ -45,6 +45,9 @@ pub struct RiverVertex {
 // A million vertices are 48 MB.
 const _: () = assert!(size_of::<RiverVertex>() == 48, "a vertex has no room to spare");
 
+/// Vertices that a network is taken to have before it is there: as many as those of rich presets.
+pub const GUESSED_VERTICES: usize = 100_000;
+
 /// A river network; cheap to clone. It is valid, whoever made it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rivers(Arc<[RiverVertex]>);

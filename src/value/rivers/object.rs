@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{RiverVertex, Rivers};
+use super::{GUESSED_VERTICES, RiverVertex, Rivers};
 use crate::value::{Features, Object, ObjectType, Pin, Sketch, SketchLine, SketchPoint, Value};
 
 /// Most points of a sketch. A network of more shows its larger rivers.
@@ -18,6 +18,7 @@ impl Object for Rivers {
         color: [0, 114, 178],
         pin: Pin::Polygon { corners: 3, turn: 0.5 },
         sample_bytes: 0,
+        guessed_bytes: (GUESSED_VERTICES * size_of::<RiverVertex>()) as u64,
         load: Some(load),
         has_features: true,
     };
