@@ -50,10 +50,10 @@ impl Line {
             put(i, j, to);
             return;
         }
-        let along = |step: i64, d: i64| (2 * step * d + steps).div_euclid(2 * steps);
+        let (mut x, mut y) = (Coordinate::new(i, di, steps), Coordinate::new(j, dj, steps));
         for step in 0..=steps {
             let share = from + (to - from) * (step as f64 / steps as f64);
-            put(i + along(step, di), j + along(step, dj), share);
+            put(x.next(), y.next(), share);
         }
     }
 
@@ -92,6 +92,35 @@ impl Line {
         };
         let ends = [if from == 0.0 { a } else { at(from) }, if to == 1.0 { b } else { at(to) }];
         (from <= to).then_some(Clipped { ends, shares: [from, to] })
+    }
+}
+
+/// One coordinate of a walk of so many steps: the whole number nearest to `start + step · d / steps`, the larger of two,
+/// without a division for a step.
+struct Coordinate {
+    at: i64,
+    /// The numerator that `at` leaves over `2 · steps`.
+    rest: i64,
+    step: i64,
+    whole: i64,
+}
+
+impl Coordinate {
+    /// A coordinate from `start` to `start + d`, with `d` at most `steps` from 0.
+    fn new(start: i64, d: i64, steps: i64) -> Self {
+        Self { at: start, rest: steps, step: 2 * d, whole: 2 * steps }
+    }
+
+    /// The coordinate, and on to the next step.
+    fn next(&mut self) -> i64 {
+        let at = self.at;
+        self.rest += self.step;
+        if self.rest >= self.whole {
+            (self.at, self.rest) = (self.at + 1, self.rest - self.whole);
+        } else if self.rest < 0 {
+            (self.at, self.rest) = (self.at - 1, self.rest + self.whole);
+        }
+        at
     }
 }
 

@@ -24,19 +24,42 @@ pub fn gap_squared(a: [Point; 2], b: [Point; 2]) -> f64 {
     u.min(v).min(s.min(t))
 }
 
-/// The distance of a branch to the nearest of some segments, without its foot; 0 where it touches one, at most `most`.
-pub fn clearance(foot: Point, tip: Point, others: &[[Point; 2]], most: f64) -> f64 {
-    let body = [[0, 1].map(|i| foot[i] + FOOT * (tip[i] - foot[i])), tip];
-    let mut least = most * most;
-    for other in others {
-        if segments_touch([foot, tip], *other) {
-            return 0.0;
-        }
-        if rectangles_gap_squared(body, *other) < least {
-            least = least.min(gap_squared(body, *other));
-        }
+/// How much room a branch has.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    /// The distance that it needs. A place with less is no place, however much less.
+    pub least: f64,
+    /// The distance beyond which more is of no use.
+    pub most: f64,
+}
+
+impl Room {
+    /// A distance that is needed, but for a thousandth that rounding may take, and of which more is of no use.
+    pub fn just(distance: f64) -> Self {
+        Self { least: 0.999 * distance, most: distance }
     }
-    libm::sqrt(least)
+
+    /// The distance of a branch to the nearest of some segments, without its foot, at most `most`. None where it touches one
+    /// or has less than `least`.
+    pub fn of(self, foot: Point, tip: Point, others: &[[Point; 2]]) -> Option<f64> {
+        let body = [[0, 1].map(|i| foot[i] + FOOT * (tip[i] - foot[i])), tip];
+        let mut nearest = self.most * self.most;
+        let least = self.least * self.least;
+        for other in others {
+            let apart = rectangles_gap_squared([foot, tip], *other);
+            if apart >= nearest {
+                continue;
+            }
+            if apart == 0.0 && segments_touch([foot, tip], *other) {
+                return None;
+            }
+            nearest = nearest.min(gap_squared(body, *other));
+            if nearest < least {
+                return None;
+            }
+        }
+        (nearest >= least).then(|| libm::sqrt(nearest))
+    }
 }
 
 /// Whether a segment touches none of the others and keeps a distance from all.

@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 
 use rayon::prelude::*;
 
-use super::gap::{clearance, distance_squared};
+use super::gap::{Room, distance_squared};
 use super::link_grid::LinkGrid;
 use crate::kit::delaunay::{Delaunay, NONE};
 use crate::kit::hash::{mix, unit};
@@ -382,8 +382,9 @@ impl Tree<'_> {
             return Some(1.0);
         }
         let others: Vec<[Point; 2]> = near.iter().map(|&link| segment(given, link as usize)).collect();
-        let clear = clearance(at, end, &others, CLEAR * spacing);
-        (clear > 0.0).then(|| 4.0 - 3.0 * clear / (CLEAR * spacing))
+        let room = Room { least: 0.0, most: CLEAR * spacing };
+        let clear = room.of(at, end, &others).filter(|clear| *clear > 0.0)?;
+        Some(4.0 - 3.0 * clear / (CLEAR * spacing))
     }
 }
 

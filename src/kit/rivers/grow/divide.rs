@@ -3,7 +3,7 @@
 use super::sprout::Sprout;
 use super::{Map, Role};
 use crate::kit::predicates::Point;
-use crate::kit::rivers::gap::{clearance, is_clear};
+use crate::kit::rivers::gap::{Room, is_clear};
 
 /// How far the points that divide a link move, against what they would: less where there is no room.
 const MOVES: [f64; 3] = [1.0, 0.5, 0.0];
@@ -80,7 +80,7 @@ impl Map<'_> {
             let end = [0, 1].map(|k| from[k] + (tip[k] - from[k]) * (longer / now));
             let others = self.segments_near(&[tip, end], keep, |map, other| map.is_at(other, link));
             let margin = if is_stem { 0.0 } else { 0.5 * length };
-            if self.is_inside(end, margin) && clearance(tip, end, &others, keep) >= keep * 0.999 {
+            if self.is_inside(end, margin) && Room::just(keep).of(tip, end, &others).is_some() {
                 self.grown.at[i] = end;
                 self.grid.put(link, [end, from]);
                 return;

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::{Map, Role, beyond};
 use crate::kit::predicates::Point;
-use crate::kit::rivers::gap::clearance;
+use crate::kit::rivers::gap::Room;
 
 /// A branch that the rules ask for.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +49,7 @@ impl Map<'_> {
         let keep = self.growth.clearance * length;
         let tip = if sprout.is_stem
             && self.is_inside(own, 0.0)
-            && clearance(foot, own, &others, keep) >= keep * 0.999
+            && Room::just(keep).of(foot, own, &others).is_some()
         {
             Some(own)
         } else {
@@ -88,10 +88,13 @@ impl Map<'_> {
                 if !self.is_inside(tip, BORDER * length) || !(self.growth.is_land)(middle) {
                     continue;
                 }
-                let clear = clearance(foot, tip, others, CLEAR * length);
+                let needed = self.growth.clearance * length * (0.5 + 0.5 * share);
+                // A place that is worth no more than the best so far is of no use.
+                let useful = best.map_or(0.0, |(most, _)| (most + loss) * length);
+                let room = Room { least: needed.max(useful), most: CLEAR * length };
+                let Some(clear) = room.of(foot, tip, others) else { continue };
                 let value = clear / length - loss;
-                let is_clear = clear >= self.growth.clearance * length * (0.5 + 0.5 * share);
-                if is_clear && best.is_none_or(|(most, _)| value > most) {
+                if best.is_none_or(|(most, _)| value > most) {
                     best = Some((value, tip));
                 }
             }
