@@ -8,6 +8,7 @@ pub mod delaunay;
 pub mod derivative;
 pub mod diffusion;
 pub mod distance;
+pub mod erosion;
 pub mod far;
 pub mod flow;
 pub mod geomorphometry;

@@ -36,6 +36,7 @@ mod sidecars;
 mod sources;
 mod strangers;
 mod trials;
+mod uplift;
 mod vectors;
 mod views;
 mod water;

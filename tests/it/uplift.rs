@@ -1,0 +1,4 @@
+//! Tests of the ladder of levels, of rising land and of falling slopes.
+
+mod ladder;
+mod prolong;
