@@ -81,6 +81,11 @@ registry! {
         wetness: Wetness,
     }
 
+    /// Lets land rise and wear.
+    erosion {
+        stream_power: StreamPower,
+    }
+
     /// Puts two fields together.
     blend {
         combine: Combine,

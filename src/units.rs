@@ -46,6 +46,8 @@ units! {
     Metres = "m", -2.0e7, 2.0e7;
     /// An area, in square metres.
     SquareMetres = "m2", 0.0, 4.0e14;
+    /// A time, in years.
+    Years = "a", 0.0, 1.0e9;
     /// An angle, in degrees.
     Degrees = "deg", -360.0, 360.0;
     /// A share from 0 to 1.

@@ -37,6 +37,7 @@ pub(crate) fn family_color(family: &str, dark: bool) -> Color32 {
         "files" => [96, 96, 104],
         "curves" => [42, 108, 108],
         "rivers" => [40, 88, 128],
+        "erosion" => [124, 74, 58],
         "blend" => [128, 92, 48],
         "filter" => [62, 88, 132],
         "select" => [104, 74, 124],

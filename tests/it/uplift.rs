@@ -2,3 +2,4 @@
 
 mod ladder;
 mod prolong;
+mod stream_power;

@@ -10,5 +10,6 @@
 
 pub mod ladder;
 pub mod prolong;
+pub mod stream_power;
 
 pub use ladder::{Ladder, Level};

@@ -55,6 +55,30 @@ impl<'a> Spread<'a> {
         self.divide(cell).1
     }
 
+    /// One receiver for each cell, drawn from its shares by a number in \[0, 1) that `chance` gives \[fairfield1991\]. Over
+    /// many cells the ways run where the water does, while those of steepest descent keep to eight directions.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the work was asked to stop.
+    pub fn draw(&self, chance: impl Fn(usize) -> f64 + Sync, work: &Work<'_>) -> Result<Tree, Cancelled> {
+        let cols = self.surface.cells.cols;
+        let mut to = vec![NONE; self.surface.cells.len()];
+        work.rows(&mut to, cols, band(cols), |j, row| {
+            for (out, cell) in row.iter_mut().zip(j * cols..) {
+                let (shares, mut left) = (self.shares(cell), chance(cell));
+                for k in (0..8u8).filter(|&k| shares[usize::from(k)] > 0.0) {
+                    // The last share takes what rounding leaves.
+                    *out = k;
+                    left -= shares[usize::from(k)];
+                    if left < 0.0 {
+                        break;
+                    }
+                }
+            }
+        })?;
+        Ok(Tree::new(self.surface.cells, self.tree.cell, to))
+    }
+
     fn divide(&self, cell: usize) -> ([f64; 8], [f64; 2]) {
         let k = self.tree.directions()[cell];
         if k == NONE {

@@ -183,3 +183,46 @@ fn the_water_of_a_pit_keeps_to_the_bottom_of_its_valley() {
 fn numbers(count: usize) -> std::ops::Range<usize> {
     0..count
 }
+
+/// On a plane whose fall line lies between the eight directions, ways that are drawn run along it on the whole, where those
+/// of steepest descent turn aside by up to 22.5°.
+#[test]
+fn drawn_ways_run_where_the_water_does() {
+    let size = 201;
+    for degrees in [0.0f64, 10.0, 22.5, 30.0, 45.0] {
+        let [east, south] = [libm::cos(degrees.to_radians()), libm::sin(degrees.to_radians())];
+        let height = |k: usize| -(east * (k % size) as f64 + south * (k / size) as f64) as f32;
+        let heights: Vec<f32> = (0..size * size).map(height).collect();
+        let surface = orograph::kit::flow::Surface::new(size, size, 1.0, &heights, None);
+        let tree = Tree::of(&surface, &Work::default()).unwrap();
+        let spread = Spread::new(surface, &tree, &heights, Rule::Infinity);
+        let chance = |cell: usize| orograph::kit::hash::unit(5, cell as u64);
+        let drawn = spread.draw(chance, &Work::default()).unwrap();
+        // From places in the north-west, 100 cells on.
+        let (mut x, mut y) = (0.0, 0.0);
+        for from in (0..400).map(|k| (k / 20) * size + k % 20) {
+            let way = way(&drawn, from);
+            let to = way[way.len().min(90) - 1];
+            x += (to % size) as f64 - (from % size) as f64;
+            y += (to / size) as f64 - (from / size) as f64;
+        }
+        let off = libm::atan2(y, x).to_degrees() - degrees;
+        assert!(off.abs() < 1.0, "{degrees}°: {off}° aside");
+    }
+}
+
+proptest! {
+    #[test]
+    fn drawn_ways_end_at_outlets_and_never_climb(ground in grounds(), seed in 0u64..1000) {
+        let (tree, filled) = (tree(&ground), filled(&ground));
+        let spread = Spread::new(ground.surface(), &tree, &filled, Rule::Infinity);
+        let chance = |cell: usize| orograph::kit::hash::unit(seed, cell as u64);
+        let drawn = spread.draw(chance, &Work::default()).unwrap();
+        for cell in 0..ground.len() {
+            let way = way(&drawn, cell);
+            prop_assert!(way.windows(2).all(|w| filled[w[1]] <= filled[w[0]] || filled[w[1]].is_nan()));
+            let end = way[way.len() - 1];
+            prop_assert_eq!(tree.receiver(end), None);
+        }
+    }
+}
