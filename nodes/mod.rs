@@ -84,6 +84,7 @@ registry! {
     /// Lets land rise and wear.
     erosion {
         stream_power: StreamPower,
+        thermal_erosion: ThermalErosion,
     }
 
     /// Puts two fields together.

@@ -53,9 +53,9 @@ pub struct StreamPower {
     /// How fast hillslopes creep and crests grow round.
     #[schemars(range(min = 0.0, max = 1000.0), extend("x-soft" = [0.0, 0.05], "x-unit" = "m2/a"))]
     pub creep: Number,
-    /// Height of finer detail that survives where as much wore.
+    /// Height of detail finer than the base grid that survives: where as much wore, a third of it is left.
     #[schemars(range(min = 0.01, max = 10_000.0), extend("x-soft" = [1.0, 100.0], "x-log" = true))]
-    pub detail: Metres,
+    pub detail_height: Metres,
     /// Decides which way water takes, and where rock is hard.
     pub seed: Seed,
 }
@@ -89,7 +89,7 @@ impl Default for StreamPower {
             variety: Number(1.5),
             body_size: Metres(2000.0),
             creep: Number(0.001),
-            detail: Metres(10.0),
+            detail_height: Metres(10.0),
             seed: Seed(0),
         }
     }
@@ -166,7 +166,7 @@ impl Node for StreamPower {
         let done = stream_power::erode(&land, &self.settings(cx)?, &mut |_| (), &cx.work.stage(0.0, 0.97))?;
         let field = |quantity, data| Field::new(cx.grid, quantity, data);
         let area = done.area.iter().map(|&a| a.min(f64::from(f32::MAX)) as f32).collect();
-        let gone = |&wear: &f32| libm::exp(-f64::from(wear) / self.detail.0) as f32;
+        let gone = |&wear: &f32| libm::exp(-f64::from(wear) / self.detail_height.0) as f32;
         let detail = done.wear.iter().map(gone).collect();
         Ok(Outputs {
             height: field(Quantity::Elevation, done.height),

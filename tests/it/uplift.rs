@@ -3,3 +3,4 @@
 mod ladder;
 mod prolong;
 mod stream_power;
+mod thermal;

@@ -10,6 +10,8 @@
 
 pub mod ladder;
 pub mod prolong;
+pub mod slippage;
 pub mod stream_power;
+pub mod thermal;
 
 pub use ladder::{Ladder, Level};

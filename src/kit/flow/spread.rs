@@ -65,7 +65,7 @@ impl<'a> Spread<'a> {
         let mut to = vec![NONE; self.surface.cells.len()];
         work.rows(&mut to, cols, band(cols), |j, row| {
             for (out, cell) in row.iter_mut().zip(j * cols..) {
-                let (shares, mut left) = (self.shares(cell), chance(cell));
+                let (shares, mut left) = (along(self.rule, self.shares(cell)), chance(cell));
                 for k in (0..8u8).filter(|&k| shares[usize::from(k)] > 0.0) {
                     // The last share takes what rounding leaves.
                     *out = k;
@@ -170,6 +170,21 @@ impl<'a> Spread<'a> {
         }
         Ok(amount)
     }
+}
+
+/// The shares in which steps must be drawn to run in the direction that shares of water say. Those of D-infinity go by the
+/// angle between a side and a corner; a step to a corner is longer, so that it must be drawn less often.
+fn along(rule: Rule, shares: [f64; 8]) -> [f64; 8] {
+    if rule != Rule::Infinity {
+        return shares;
+    }
+    let corner: f64 = [0, 2, 5, 7].iter().map(|&k| shares[k]).sum();
+    let often = libm::tan(corner * std::f64::consts::FRAC_PI_4);
+    let mut drawn = shares;
+    for (k, share) in drawn.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
+        *share = if [0, 2, 5, 7].contains(&k) { often } else { 1.0 - often };
+    }
+    drawn
 }
 
 /// The neighbours that a test picks, one bit each.
