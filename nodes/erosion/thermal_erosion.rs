@@ -1,8 +1,10 @@
 //! Slopes that are too steep give way.
 
-use crate::kit::erosion::Level;
 use crate::kit::erosion::thermal::{self, Land};
 use crate::prelude::*;
+
+/// Most steps: those of a reach of 158 cells.
+const MOST_STEPS: f64 = 100_000.0;
 
 /// Lets slopes that are too steep give way: cliffs fall, and what falls lies at their feet as loose ground.
 ///
@@ -10,10 +12,9 @@ use crate::prelude::*;
 /// is not \[musgrave1989; weiss2015, VI\]. It moves down the gradient, in proportion to what is too steep, so that a pile
 /// becomes a round cone. Loose ground goes before the rock below it. What goes is laid down, to within rounding.
 ///
-/// It works on coarse grids first, so that a high cliff can spread over many cells.
-///
 /// # Limits
-/// It runs on the base grid. Cells that are larger than a cliff is high do not see it. On a steep range much of the land
+/// It runs on the base grid, and takes four times the steps there for half the cell, so that ground slips as far in metres. What
+/// lies farther than `reach` from where it must go is still too steep at the end. On a steep range much of the land
 /// comes to stand at the angle of repose, as facets: give it an angle above most slopes. Detail finer than the base grid
 /// stays where nothing slipped.
 ///
@@ -28,9 +29,9 @@ pub struct ThermalErosion {
     /// Steepest slope on which loose ground lies.
     #[schemars(range(min = 0.0, max = 89.0), extend("x-soft" = [15.0, 45.0]))]
     pub rubble: Degrees,
-    /// Steps on each grid: the more, the farther ground slips.
-    #[schemars(range(min = 0, max = 10_000), extend("x-soft" = [0, 500], "x-unit" = "1"))]
-    pub steps: u32,
+    /// How far ground slips, about.
+    #[schemars(range(min = 0.0, max = 100_000.0), extend("x-soft" = [0.0, 500.0]))]
+    pub reach: Metres,
     /// Height of detail finer than the base grid that survives: where as much slipped, a third of it is left.
     #[schemars(range(min = 0.01, max = 10_000.0), extend("x-soft" = [1.0, 100.0], "x-log" = true))]
     pub detail_height: Metres,
@@ -38,7 +39,7 @@ pub struct ThermalErosion {
 
 impl Default for ThermalErosion {
     fn default() -> Self {
-        Self { rock: Degrees(45.0), rubble: Degrees(34.0), steps: 150, detail_height: Metres(5.0) }
+        Self { rock: Degrees(45.0), rubble: Degrees(34.0), reach: Metres(150.0), detail_height: Metres(5.0) }
     }
 }
 
@@ -96,7 +97,7 @@ impl Node for ThermalErosion {
     }
 
     fn cost(&self, Load { grid, .. }: &Load<'_>) -> Cost {
-        let steps = thermal::cell_steps(&Level::of(grid), self.steps as usize);
+        let steps = (self.steps(grid) * grid.len()) as f64;
         let cost = Cost::per_sample(grid, 100.0).with_fields(grid, 24.0);
         Cost { bytes: cost.bytes, seconds: cost.seconds + steps * 30e-9 }
     }
@@ -113,7 +114,7 @@ impl Node for ThermalErosion {
             rock: (libm::tan(self.rock.0.to_radians()), rock.as_ref()),
             rubble: (libm::tan(self.rubble.0.to_radians()), rubble.as_ref()),
             mask: mask.as_ref(),
-            steps: self.steps as usize,
+            steps: self.steps(&cx.grid),
         };
         let done = thermal::slip(&land, &cx.work.stage(0.0, 0.97))?;
         let field = |quantity, data| Field::new(cx.grid, quantity, data);
@@ -127,6 +128,14 @@ impl Node for ThermalErosion {
             deposit: field(Quantity::Length, done.deposit),
             detail: field(Quantity::Mask, detail),
         })
+    }
+}
+
+impl ThermalErosion {
+    /// Steps in which an excess spreads as far as it is to slip.
+    fn steps(&self, grid: &Grid) -> usize {
+        let cells = self.reach.0 / grid.cell();
+        libm::ceil(4.0 * cells * cells).min(MOST_STEPS) as usize
     }
 }
 

@@ -196,15 +196,14 @@ fn drawn_ways_run_where_the_water_does() {
         let surface = orograph::kit::flow::Surface::new(size, size, 1.0, &heights, None);
         let tree = Tree::of(&surface, &Work::default()).unwrap();
         let spread = Spread::new(surface, &tree, &heights, Rule::Infinity);
-        let chance = |cell: usize| orograph::kit::hash::unit(5, cell as u64);
-        let drawn = spread.draw(chance, &Work::default()).unwrap();
-        // From places in the north-west, 100 cells on.
+        // Ways that meet go on together, so that each draw counts once: from near the north-west corner, 150 cells on.
         let (mut x, mut y) = (0.0, 0.0);
-        for from in (0..400).map(|k| (k / 20) * size + k % 20) {
-            let way = way(&drawn, from);
-            let to = way[way.len().min(90) - 1];
-            x += (to % size) as f64 - (from % size) as f64;
-            y += (to / size) as f64 - (from / size) as f64;
+        for seed in 0..120 {
+            let chance = |cell: usize| orograph::kit::hash::unit(seed, cell as u64);
+            let way = way(&spread.draw(chance, &Work::default()).unwrap(), 10 * size + 10);
+            let to = way[way.len().min(150) - 1];
+            x += (to % size) as f64 - 10.0;
+            y += (to / size) as f64 - 10.0;
         }
         let off = libm::atan2(y, x).to_degrees() - degrees;
         assert!(off.abs() < 1.0, "{degrees}°: {off}° aside");

@@ -137,3 +137,12 @@ fn hostile_land_stays_finite_and_whoever_asks_is_heeded() {
     let high = rough(grid(65, 65, 10.0), 300.0);
     assert_eq!(slip(&land(&high), &Work::new(&cancel)), Err(Cancelled));
 }
+
+#[test]
+fn a_thin_pillar_falls_where_it_stands_and_digs_no_hole() {
+    let grid = grid(257, 257, 10.0);
+    let pillar = field(grid, Quantity::Elevation, |i, j| if (i, j) == (128, 132) { 200.0 } else { 0.0 });
+    let done = run(&land(&pillar));
+    assert!(done.height.iter().all(|z| *z >= 0.0), "a hole around the pillar");
+    assert!(done.height[132 * 257 + 128] < 30.0);
+}
