@@ -48,15 +48,12 @@ pub fn slip(land: &Land<'_>, work: &Work<'_>) -> Result<Slipped, Cancelled> {
         Some(loose) => loose.data().iter().map(|l| l.max(0.0)).collect(),
         None => vec![0.0; start.len()],
     };
-    let repose = |(even, each): (f64, Option<&'_ Field>)| {
-        each.map_or(Repose::Even(even as f32), |f| Repose::Each(f.data()))
-    };
     let slopes = Slopes {
         cells: Cells { cols: grid.cols, rows: grid.rows },
         cell: grid.cell(),
         start,
-        rock: repose(land.rock),
-        loose: repose(land.rubble),
+        rock: repose(land.rock.0, land.rock.1),
+        loose: repose(land.rubble.0, land.rubble.1),
         mask: land.mask.map(Field::data),
     };
     let mut ground = Ground { wear: vec![0.0; start.len()], loose: before.clone() };
@@ -71,4 +68,8 @@ pub fn slip(land: &Land<'_>, work: &Work<'_>) -> Result<Slipped, Cancelled> {
     let moved = |(z, d): (&f32, &f32)| if *d == 0.0 { *z } else { z + d };
     let height = start.iter().zip(&deposit).map(moved).collect();
     Ok(Slipped { height, loose: ground.loose, wear: ground.wear, deposit })
+}
+
+fn repose(even: f64, each: Option<&Field>) -> Repose<'_> {
+    each.map_or(Repose::Even(even as f32), |field| Repose::Each(field.data()))
 }
