@@ -3,8 +3,8 @@
 use crate::kit::erosion::thermal::{self, Land};
 use crate::prelude::*;
 
-/// Most steps: those of a reach of 158 cells.
-const MOST_STEPS: f64 = 100_000.0;
+/// Most steps: those of a reach of 20 cells.
+const MOST_STEPS: f64 = 1600.0;
 
 /// Lets slopes that are too steep give way: cliffs fall, and what falls lies at their feet as loose ground.
 ///
@@ -14,7 +14,8 @@ const MOST_STEPS: f64 = 100_000.0;
 ///
 /// # Limits
 /// It runs on the base grid, and takes four times the steps there for half the cell, so that ground slips as far in metres. What
-/// lies farther than `reach` from where it must go is still too steep at the end. On a steep range much of the land
+/// lies farther than `reach` from where it must go is still too steep at the end. The reach counts as at most 20 cells of the
+/// base grid. On a steep range much of the land
 /// comes to stand at the angle of repose, as facets: give it an angle above most slopes. Detail finer than the base grid
 /// stays where nothing slipped.
 ///
@@ -30,7 +31,7 @@ pub struct ThermalErosion {
     #[schemars(range(min = 0.0, max = 89.0), extend("x-soft" = [15.0, 45.0]))]
     pub rubble: Degrees,
     /// How far ground slips, about.
-    #[schemars(range(min = 0.0, max = 100_000.0), extend("x-soft" = [0.0, 500.0]))]
+    #[schemars(range(min = 0.0, max = 10_000.0), extend("x-soft" = [0.0, 500.0]))]
     pub reach: Metres,
     /// Height of detail finer than the base grid that survives: where as much slipped, a third of it is left.
     #[schemars(range(min = 0.01, max = 10_000.0), extend("x-soft" = [1.0, 100.0], "x-log" = true))]
