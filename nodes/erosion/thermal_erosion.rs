@@ -13,11 +13,10 @@ const MOST_STEPS: f64 = 1600.0;
 /// becomes a round cone. Loose ground goes before the rock below it. What goes is laid down, to within rounding.
 ///
 /// # Limits
-/// It runs on the base grid, and takes four times the steps there for half the cell, so that ground slips as far in metres. What
-/// lies farther than `reach` from where it must go is still too steep at the end. The reach counts as at most 20 cells of the
-/// base grid. On a steep range much of the land
-/// comes to stand at the angle of repose, as facets: give it an angle above most slopes. Detail finer than the base grid
-/// stays where nothing slipped.
+/// It runs on the base grid, and takes four times the steps there for half the cell, so that ground slips as far in
+/// metres. What lies farther than `reach` from where it must go is still too steep at the end; it counts as at most 20 cells
+/// of the base grid. On a steep range much of the land comes to stand at the angle of repose, as facets: give it an angle
+/// above most slopes. Detail finer than the base grid stays where nothing slipped.
 ///
 /// # See also
 /// `stream_power` makes mountains; `select_slope` finds what is steep.
