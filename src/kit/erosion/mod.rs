@@ -8,6 +8,7 @@
 //! - [`prolong`] carries changes, water and load from a level to the next: smoothly, within bounds, and without making or
 //!   losing any of it.
 
+pub mod hydraulic;
 pub mod ladder;
 pub mod prolong;
 pub mod slippage;

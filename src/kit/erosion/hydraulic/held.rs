@@ -1,0 +1,45 @@
+//! The rows that a sweep has in hand.
+
+use super::lines::Lines;
+
+/// Rows of what is known of cells and of edges while a sweep passes over them.
+#[derive(Clone, Debug)]
+pub(super) struct Held {
+    /// Of cells: depth, change of bed and of surface, load per water, square of the flow vector, what they can give.
+    pub(super) depth: Lines,
+    pub(super) bed: Lines,
+    pub(super) surface: Lines,
+    pub(super) thick: Lines,
+    pub(super) square: Lines,
+    pub(super) can: Lines,
+    /// Of edges to the east, south, south-east and south-west: flow; wetted depth, then fall of the bed; drop of the surface,
+    /// then power; load that crosses.
+    pub(super) flow: [Lines; 4],
+    pub(super) deep: [Lines; 4],
+    pub(super) drop: [Lines; 4],
+    pub(super) load: [Lines; 4],
+    /// A row of zeros, with a sample before and after, and one of ones.
+    pub(super) none: Vec<f32>,
+    pub(super) one: Vec<f32>,
+}
+
+impl Held {
+    pub(super) fn new(cols: usize) -> Self {
+        let lines = || Lines::new(cols);
+        let four = || [lines(), lines(), lines(), lines()];
+        Self {
+            depth: lines(),
+            bed: lines(),
+            surface: lines(),
+            thick: lines(),
+            square: lines(),
+            can: lines(),
+            flow: four(),
+            deep: four(),
+            drop: four(),
+            load: four(),
+            none: vec![0.0; cols + 2],
+            one: vec![1.0; cols],
+        }
+    }
+}
