@@ -203,17 +203,20 @@ pub(super) fn share(
     deep: &mut [f32],
 ) {
     let n = flow.len();
-    let [[k0, k1], [c0, c1], [d0, d1]] = cells.map(|pair| pair.map(|row| &row[..n]));
+    let [can, thick, depth] = cells;
+    let (k0, k1) = (&can[0][..n], &can[1][..n]);
+    let (c0, c1) = (&thick[0][..n], &thick[1][..n]);
+    let (d0, d1) = (&depth[0][..n], &depth[1][..n]);
     let (load, drop, deep) = (&mut load[..n], &mut drop[..n], &mut deep[..n]);
     for i in 0..n {
-        let down = flow[i] > 0.0;
-        let q = flow[i] * if down { k0[i] } else { k1[i] };
-        let bed = drop[i] - (d0[i] - d1[i]);
-        let power = larger(q * drop[i], 0.0);
-        flow[i] = q;
-        load[i] = q * if down { c0[i] } else { c1[i] };
-        drop[i] = if down { power } else { -power };
-        let back = if q < 0.0 { smaller(bed, 0.0) } else { 0.0 };
-        deep[i] = if down { larger(bed, 0.0) } else { back };
+        // Sums of what goes one way and the other, of which one is 0, where a choice would make a branch.
+        let (ahead, back) = (larger(flow[i], 0.0) * k0[i], smaller(flow[i], 0.0) * k1[i]);
+        let fell = drop[i];
+        let bed = fell - (d0[i] - d1[i]);
+        flow[i] = ahead + back;
+        load[i] = ahead * c0[i] + back * c1[i];
+        drop[i] = ahead * larger(fell, 0.0) - back * smaller(fell, 0.0);
+        let fall = if ahead > 0.0 { larger(bed, 0.0) } else { 0.0 };
+        deep[i] = if back < 0.0 { smaller(bed, 0.0) } else { fall };
     }
 }
