@@ -8,8 +8,10 @@
 //! - [`prolong`] carries changes, water and load from a level to the next: smoothly, within bounds, and without making or
 //!   losing any of it.
 
+mod band;
 pub mod hydraulic;
 pub mod ladder;
+mod lines;
 pub mod prolong;
 pub mod slippage;
 pub mod stream_power;

@@ -3,7 +3,7 @@
 //! It does not go from coarse to fine: a pillar that a point of a coarse level meets would be a cell of that level wide, and
 //! what falls of it there would leave a hole around the pillar.
 
-use super::slippage::{Ground, Repose, Slippage, Slopes};
+use super::slippage::{PACE, Repose, Slippage, Slopes};
 use crate::kit::flow::neighbor::Cells;
 use crate::value::Field;
 use crate::work::{Cancelled, Work};
@@ -52,22 +52,24 @@ pub fn slip(land: &Land<'_>, work: &Work<'_>) -> Result<Slipped, Cancelled> {
         cells: Cells { cols: grid.cols, rows: grid.rows },
         cell: grid.cell(),
         start,
+        before: Some(&before),
         rock: repose(land.rock.0, land.rock.1),
         loose: repose(land.rubble.0, land.rubble.1),
         mask: land.mask.map(Field::data),
+        pace: PACE,
     };
-    let mut ground = Ground { wear: vec![0.0; start.len()], loose: before.clone() };
-    let mut slippage = Slippage::default();
+    let (mut wear, mut loose) = (vec![0.0; start.len()], before.clone());
+    let mut slippage = Slippage::new(slopes.cells);
     for n in 0..land.steps {
-        slippage.step(&slopes, &before, &mut ground, &work.quiet())?;
+        slippage.step(&slopes, [&mut wear, &mut loose], work)?;
         work.step((n + 1) as f32 / land.steps as f32)?;
     }
     let deposit: Vec<f32> =
-        (0..start.len()).map(|k| (ground.loose[k] - before[k]) - ground.wear[k]).collect();
+        (0..start.len()).map(|k| (loose[k] - before[k]) - wear[k]).collect();
     // A sum with 0 would turn a negative zero around.
     let moved = |(z, d): (&f32, &f32)| if *d == 0.0 { *z } else { z + d };
     let height = start.iter().zip(&deposit).map(moved).collect();
-    Ok(Slipped { height, loose: ground.loose, wear: ground.wear, deposit })
+    Ok(Slipped { height, loose, wear, deposit })
 }
 
 fn repose(even: f64, each: Option<&Field>) -> Repose<'_> {

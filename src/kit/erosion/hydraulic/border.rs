@@ -4,8 +4,8 @@
 //! has, so that the surface falls over the border as the ground does, or by a hundredth where the ground rises. Its ground
 //! changes as that of its neighbour: it neither stands as a dam in a valley nor falls away below it.
 
-use super::lines::Lines;
 use super::site::{Site, State};
+use crate::kit::erosion::lines::Lines;
 
 /// Least slope of the water over an open border.
 const LEAST: f32 = 0.01;

@@ -1,6 +1,6 @@
 //! The rows that a sweep has in hand.
 
-use super::lines::Lines;
+use crate::kit::erosion::lines::Lines;
 
 /// Rows of what is known of cells and of edges while a sweep passes over them.
 #[derive(Clone, Debug)]
@@ -21,6 +21,7 @@ pub(super) struct Held {
     /// A row of zeros, with a sample before and after, and one of ones.
     pub(super) none: Vec<f32>,
     pub(super) one: Vec<f32>,
+    pub(super) swept: Swept,
 }
 
 impl Held {
@@ -40,6 +41,21 @@ impl Held {
             load: four(),
             none: vec![0.0; cols + 2],
             one: vec![1.0; cols],
+            swept: Swept::default(),
         }
+    }
+}
+
+/// What a sweep moved, in metres of water summed over each row of its band: sums of rows, so that the bands show nowhere.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Swept {
+    pub(super) evaporated: Vec<f64>,
+    pub(super) sea: Vec<f64>,
+}
+
+impl Swept {
+    pub(super) fn clear(&mut self) {
+        self.evaporated.clear();
+        self.sea.clear();
     }
 }

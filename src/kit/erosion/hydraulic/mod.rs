@@ -14,7 +14,6 @@ mod border;
 mod consts;
 mod ground;
 mod held;
-mod lines;
 mod run;
 mod settings;
 mod site;

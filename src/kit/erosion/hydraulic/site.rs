@@ -103,12 +103,6 @@ impl State {
         }
     }
 
-    /// All quantities.
-    pub(super) fn all(&self) -> [&[f32]; STATE] {
-        let [e, s, d, u] = &self.flow;
-        [&self.water, &self.load, &self.wear, &self.loose, e, s, d, u]
-    }
-
     /// All quantities, to change.
     pub(super) fn all_mut(&mut self) -> [&mut [f32]; STATE] {
         let [e, s, d, u] = &mut self.flow;

@@ -9,9 +9,10 @@ use super::border;
 use super::consts::Consts;
 use super::ground::{Around, Edges, Given, exchange};
 use super::held::Held;
-use super::lines::Lines;
 use super::site::Site;
 use super::water::{Ends, drive, dry, limit, share, slow, square, start};
+use crate::kit::erosion::band::Band;
+use crate::kit::erosion::lines::Lines;
 use crate::kit::simd::Kernel;
 
 /// Rows beyond a band that its own rows hang on.
@@ -20,56 +21,12 @@ pub(super) const REACH: usize = 3;
 /// Quantities of the state: water, load, wear, loose ground, flows to the east, south, south-east and south-west.
 pub(super) const STATE: usize = 8;
 
-/// What a sweep moved, in metres of water summed over each row of its band: sums of rows, so that the bands show nowhere.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Swept {
-    pub(super) evaporated: Vec<f64>,
-    pub(super) sea: Vec<f64>,
-}
-
-impl Swept {
-    pub(super) fn clear(&mut self) {
-        self.evaporated.clear();
-        self.sea.clear();
-    }
-}
-
-/// The rows of a state that a sweep goes through.
-pub(super) struct Band<'a> {
-    pub(super) cols: usize,
-    /// First row of the band, and one past its last.
-    pub(super) rows: [usize; 2],
-    /// Rows of the state in the band.
-    pub(super) state: [&'a mut [f32]; STATE],
-    /// Copies of the rows before and after it, `REACH` or as many as there are; row by row, all quantities.
-    pub(super) halo: &'a mut [Vec<f32>; 2],
-}
-
-impl Band<'_> {
-    /// A row of the state, in the band or beside it.
-    #[inline(always)]
-    fn row(&mut self, y: usize) -> [&mut [f32]; STATE] {
-        let (cols, [from, to]) = (self.cols, self.rows);
-        if y >= from && y < to {
-            return self.state.each_mut().map(|rows| &mut rows[(y - from) * cols..][..cols]);
-        }
-        let (beside, y) = if y < from { (0, y - from.saturating_sub(REACH)) } else { (1, y - to) };
-        let mut rest = &mut self.halo[beside][y * STATE * cols..][..STATE * cols];
-        std::array::from_fn(|_| {
-            let (row, after) = std::mem::take(&mut rest).split_at_mut(cols);
-            rest = after;
-            row
-        })
-    }
-}
-
 /// A step of a band.
 pub(super) struct Sweep<'a> {
     pub(super) site: &'a Site,
     pub(super) consts: Consts,
-    pub(super) band: Band<'a>,
+    pub(super) band: Band<'a, STATE>,
     pub(super) held: &'a mut Held,
-    pub(super) swept: &'a mut Swept,
 }
 
 impl Kernel for Sweep<'_> {
@@ -126,7 +83,10 @@ impl Sweep<'_> {
     #[inline(always)]
     fn begin(&mut self, y: usize) {
         let (site, held) = (self.site, &mut *self.held);
-        let own = (self.band.rows[0]..self.band.rows[1]).contains(&y);
+        if y == self.band.rows[0].saturating_sub(REACH) {
+            held.swept.clear();
+        }
+        let own = self.band.owns(y);
         let span = site.span(y);
         let (height, filled) = (&site.height[span.clone()], &site.filled[span.clone()]);
         let [water, load, wear, loose, ..] = self.band.row(y);
@@ -134,7 +94,7 @@ impl Sweep<'_> {
         if let Some(rate) = site.evaporation.as_deref() {
             let gone = dry(self.consts.dt, [height, filled], [rain, &rate[span]], water);
             if own {
-                self.swept.evaporated.push(gone);
+                held.swept.evaporated.push(gone);
             }
         } else {
             for (water, rain) in water.iter_mut().zip(rain) {
@@ -263,7 +223,7 @@ impl Sweep<'_> {
             row.copy_from_slice(flow.row(y));
         }
         if SEA {
-            self.swept.sea.push(sea);
+            self.held.swept.sea.push(sea);
         }
     }
 }

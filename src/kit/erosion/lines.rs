@@ -4,7 +4,7 @@
 const HELD: usize = 6;
 
 /// Rows of one quantity: row `y` stands where row `y − 6` stood. Each has a sample before its first and one after its last,
-/// which stay 0.
+/// which are 0 unless they are written.
 #[derive(Clone, Debug)]
 pub(super) struct Lines {
     data: Vec<f32>,
@@ -21,6 +21,12 @@ impl Lines {
     #[inline(always)]
     pub(super) fn wide(&self, y: usize) -> &[f32] {
         &self.data[y % HELD * self.stride..][..self.stride]
+    }
+
+    /// A row to write, with the samples before and after it.
+    #[inline(always)]
+    pub(super) fn wide_mut(&mut self, y: usize) -> &mut [f32] {
+        &mut self.data[y % HELD * self.stride..][..self.stride]
     }
 
     /// A row.
