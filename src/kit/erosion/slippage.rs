@@ -52,6 +52,8 @@ pub struct Slopes<'a> {
     pub loose: Repose<'a>,
     /// Factor on all that moves, 0 to 1; between two cells the smaller counts.
     pub mask: Option<&'a [f32]>,
+    /// Whether the cells of the border are the outside: then nothing moves between them and the land.
+    pub open: bool,
     /// Share of the ground in excess that moves in a step between two cells, up to [`PACE`].
     pub pace: f32,
 }
@@ -100,7 +102,10 @@ impl Held {
 impl Slippage {
     /// Room for steps on so many cells.
     pub fn new(cells: Cells) -> Self {
-        Self { bands: Bands::new(cells.cols, cells.rows, REACH, || Held::new(cells.cols)), level: Level::best() }
+        Self {
+            bands: Bands::new(cells.cols, cells.rows, REACH, || Held::new(cells.cols)),
+            level: Level::best(),
+        }
     }
 
     /// The same, compiled for an instruction set.
@@ -224,6 +229,12 @@ impl Sweep<'_> {
                 }
             }
             None => row.fill(slopes.pace),
+        }
+        if slopes.open {
+            if y == 0 || y + 1 == slopes.cells.rows {
+                row.fill(0.0);
+            }
+            (row[0], row[cols - 1]) = (0.0, 0.0);
         }
     }
 

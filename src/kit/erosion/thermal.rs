@@ -56,6 +56,7 @@ pub fn slip(land: &Land<'_>, work: &Work<'_>) -> Result<Slipped, Cancelled> {
         rock: repose(land.rock.0, land.rock.1),
         loose: repose(land.rubble.0, land.rubble.1),
         mask: land.mask.map(Field::data),
+        open: false,
         pace: PACE,
     };
     let (mut wear, mut loose) = (vec![0.0; start.len()], before.clone());
@@ -64,8 +65,7 @@ pub fn slip(land: &Land<'_>, work: &Work<'_>) -> Result<Slipped, Cancelled> {
         slippage.step(&slopes, [&mut wear, &mut loose], work)?;
         work.step((n + 1) as f32 / land.steps as f32)?;
     }
-    let deposit: Vec<f32> =
-        (0..start.len()).map(|k| (loose[k] - before[k]) - wear[k]).collect();
+    let deposit: Vec<f32> = (0..start.len()).map(|k| (loose[k] - before[k]) - wear[k]).collect();
     // A sum with 0 would turn a negative zero around.
     let moved = |(z, d): (&f32, &f32)| if *d == 0.0 { *z } else { z + d };
     let height = start.iter().zip(&deposit).map(moved).collect();

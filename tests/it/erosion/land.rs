@@ -55,5 +55,5 @@ pub(super) fn run(site: Site, settings: &Settings, steps: usize) -> Run {
 
 /// Settings under which water runs and ground stays.
 pub(super) fn still() -> Settings {
-    Settings { capacity: 0.0, ..Settings::default() }
+    Settings { capacity: 0.0, rock_repose: 1e3, loose_repose: 1e3, ..Settings::default() }
 }

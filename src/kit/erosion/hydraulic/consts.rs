@@ -4,7 +4,7 @@ use super::Settings;
 use super::water::SIDE;
 
 /// Depth in metres below which water does not run.
-const THINNEST: f32 = 1e-4;
+pub(super) const THINNEST: f32 = 1e-4;
 
 /// How fast deep water falls to the level of the sea: a metre of depth closes a fifth of the difference in a second.
 const SEA: f64 = 0.2;

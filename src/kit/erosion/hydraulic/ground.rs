@@ -9,7 +9,7 @@
 //! # Differs from the paper
 //! A step takes at most half of the height above the lowest receiver and lays down at most half of the depth, so that
 //! neither pits nor needles grow. Rock hardens as `2^(−wear / f)` rather than without bound (24). In the sea, load sinks
-//! and fills it to just below its level, where the paper drops a whole load into the first cell.
+//! and fills it to its level, where the paper drops a whole load into the first cell.
 //!
 //! Load is changed by what rounding lets the ground take or give, so that no solid is lost in the `f32` of deep cuts.
 
@@ -19,6 +19,9 @@ use crate::kit::simd::{exp2, larger, smaller};
 
 /// The part of a height above the receiver that a step takes at most, and of a depth that it lays down at most.
 const HALF: f32 = 0.5;
+
+/// Metres that load may fill the sea beyond half of its depth in a step, so that the shore comes to its level.
+const SHOAL: f32 = 0.01;
 
 /// Metres that a step may lay down in any depth: what dries up leaves its load.
 const FILM: f32 = 1e-4;
@@ -139,7 +142,7 @@ pub(super) fn exchange<const SEA: bool, const HARD: bool>(
         let rest = if c.loose > 0.0 { rest } else { 1.0 };
         let worn = smaller(rest * (mask[i] * (up - take) * (rock / (h + rock))), room - take);
         let worn = smaller(larger(worn, 0.0), larger(c.most_wear - w, 0.0));
-        let space = if in_sea { HALF * below } else { larger(HALF * depth, FILM) };
+        let space = if in_sea { HALF * below + SHOAL } else { larger(HALF * depth, FILM) };
         let laid = smaller(smaller(down * part, space), larger(c.most_deposit - change, 0.0));
         let (new_l, new_w) = (l + (laid - take), w + worn);
         let left = s + ((new_w - w) - (new_l - l));
@@ -156,7 +159,7 @@ pub(super) fn exchange<const SEA: bool, const HARD: bool>(
             let next = larger(wet - gone, -start);
             water[i] = next;
             taken[i % 16] += wet - next;
-            if i % 1024 == 1023 {
+            if i % 128 == 127 {
                 drowned += total(&mut taken);
             }
         }

@@ -49,12 +49,14 @@ impl Held {
 /// What a sweep moved, in metres of water summed over each row of its band: sums of rows, so that the bands show nowhere.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Swept {
+    pub(super) rained: Vec<f64>,
     pub(super) evaporated: Vec<f64>,
     pub(super) sea: Vec<f64>,
 }
 
 impl Swept {
     pub(super) fn clear(&mut self) {
+        self.rained.clear();
         self.evaporated.clear();
         self.sea.clear();
     }

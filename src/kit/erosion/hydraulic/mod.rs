@@ -11,15 +11,21 @@
 //! bit. Nothing hangs on the number of threads.
 
 mod border;
+mod climate;
 mod consts;
+mod erode;
+mod gauge;
 mod ground;
 mod held;
+mod refine;
 mod run;
 mod settings;
 mod site;
 mod sweep;
 mod water;
 
+pub use erode::{Eroded, Land, Picture, cell_steps, erode};
+pub use gauge::Water;
 pub use run::{Account, Run};
 pub use settings::{Border, Settings, Showers};
 pub use site::{Site, State};

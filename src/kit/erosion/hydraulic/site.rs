@@ -14,8 +14,10 @@ pub struct Site {
     pub rows: usize,
     /// Distance between neighbours, in metres.
     pub cell: f64,
-    /// Input heights, in metres.
+    /// Heights at the start, in metres: those of the input less what faded.
     pub height: Vec<f32>,
+    /// Detail of the input that had faded before the level began, in metres; none on the first level.
+    pub faded: Option<Vec<f32>>,
     /// The surface of water that is there at the start, or the height where there is none, in metres.
     pub filled: Vec<f32>,
     /// Loose ground at the start, in metres; none without it.
@@ -42,8 +44,22 @@ impl Site {
     pub fn new(cols: usize, rows: usize, cell: f64, height: Vec<f32>) -> Self {
         assert_eq!(height.len(), cols * rows, "one height per cell");
         let (filled, rain) = (height.clone(), vec![0.0; height.len()]);
-        let (before, evaporation, soft, mask, sea) = (None, None, None, None, None);
-        Self { cols, rows, cell, height, filled, before, rain, evaporation, soft, mask, sea, open: false }
+        let (faded, before, evaporation, soft, mask, sea) = (None, None, None, None, None, None);
+        Self {
+            cols,
+            rows,
+            cell,
+            height,
+            faded,
+            filled,
+            before,
+            rain,
+            evaporation,
+            soft,
+            mask,
+            sea,
+            open: false,
+        }
     }
 
     /// Number of cells.

@@ -10,7 +10,7 @@ use super::consts::Consts;
 use super::ground::{Around, Edges, Given, exchange};
 use super::held::Held;
 use super::site::Site;
-use super::water::{Ends, drive, dry, limit, share, slow, square, start};
+use super::water::{Ends, drive, limit, rain, share, slow, square, start};
 use crate::kit::erosion::band::Band;
 use crate::kit::erosion::lines::Lines;
 use crate::kit::simd::Kernel;
@@ -90,21 +90,20 @@ impl Sweep<'_> {
         let span = site.span(y);
         let (height, filled) = (&site.height[span.clone()], &site.filled[span.clone()]);
         let [water, load, wear, loose, ..] = self.band.row(y);
-        let rain = if self.consts.rains { &site.rain[span.clone()] } else { &held.none[..site.cols] };
-        if let Some(rate) = site.evaporation.as_deref() {
-            let gone = dry(self.consts.dt, [height, filled], [rain, &rate[span]], water);
+        if self.consts.rains || site.evaporation.is_some() {
+            let falling = if self.consts.rains { &site.rain[span] } else { &held.none[..site.cols] };
+            let rate = site.row_or(site.evaporation.as_deref(), y, &held.none);
+            let [came, gone] = rain(self.consts.dt, [height, filled], [falling, rate], water);
             if own {
+                held.swept.rained.push(came);
                 held.swept.evaporated.push(gone);
-            }
-        } else {
-            for (water, rain) in water.iter_mut().zip(rain) {
-                *water += rain * self.consts.dt;
             }
         }
         let before = site.row_or(site.before.as_deref(), y, &held.none);
         let (given, state) = ([height, filled, before], [&*water, &*load, &*wear, &*loose]);
         let [depth, bed, surface, thick] =
-            [&mut held.depth, &mut held.bed, &mut held.surface, &mut held.thick].map(|lines| lines.row_mut(y));
+            [&mut held.depth, &mut held.bed, &mut held.surface, &mut held.thick]
+                .map(|lines| lines.row_mut(y));
         start(given, state, depth, bed, surface, thick);
     }
 
@@ -132,7 +131,15 @@ impl Sweep<'_> {
                 depth: [&held.depth.row(y)[a.clone()], &held.depth.row(next)[b]],
             };
             let per = c.per_length[usize::from(k > 1)];
-            drive(c, per, &before[a.clone()], &ends, &mut flow[a.clone()], &mut deep[a.clone()], &mut drop[a]);
+            drive(
+                c,
+                per,
+                &before[a.clone()],
+                &ends,
+                &mut flow[a.clone()],
+                &mut deep[a.clone()],
+                &mut drop[a],
+            );
         }
     }
 

@@ -21,29 +21,32 @@ const MOST: f32 = 0.999_999;
 /// A side of an octagon of width 1.
 pub(super) const SIDE: f32 = std::f32::consts::SQRT_2 - 1.0;
 
-/// Rain falls on a row and water goes into the air, no more than there is; returns the metres that went, summed over the row.
+/// Rain falls on a row and water goes into the air, no more than there is. Returns the metres that came and went, summed over
+/// the row, as rounding let them: deep water far from its start swallows a part of what falls.
 #[inline(always)]
-pub(super) fn dry(
+pub(super) fn rain(
     dt: f32,
     [height, filled]: [&[f32]; 2],
     [rain, rate]: [&[f32]; 2],
     water: &mut [f32],
-) -> f64 {
+) -> [f64; 2] {
     let n = water.len();
     let (height, filled, rain, rate) = (&height[..n], &filled[..n], &rain[..n], &rate[..n]);
-    let mut sum = 0.0;
-    let mut gone = [0.0f32; 16];
+    let mut sums = [0.0; 2];
+    let (mut came, mut gone) = ([0.0f32; 16], [0.0f32; 16]);
     for i in 0..n {
-        let wet = water[i] + rain[i] * dt;
+        let before = water[i];
+        let wet = before + rain[i] * dt;
         let there = larger((filled[i] - height[i]) + wet, 0.0);
         let dry = wet - smaller(there, rate[i] * dt);
         water[i] = dry;
+        came[i % 16] += wet - before;
         gone[i % 16] += wet - dry;
-        if i % 1024 == 1023 {
-            sum += total(&mut gone);
+        if i % 128 == 127 {
+            sums = [sums[0] + total(&mut came), sums[1] + total(&mut gone)];
         }
     }
-    sum + total(&mut gone)
+    [sums[0] + total(&mut came), sums[1] + total(&mut gone)]
 }
 
 /// A sum of sums side by side, which begin anew.
