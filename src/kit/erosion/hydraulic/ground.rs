@@ -14,7 +14,7 @@
 //! Load is changed by what rounding lets the ground take or give, so that no solid is lost in the `f32` of deep cuts.
 
 use super::consts::Consts;
-use super::water::total;
+use super::water::difference;
 use crate::kit::simd::{exp2, larger, smaller};
 
 /// The part of a height above the receiver that a step takes at most, and of a depth that it lays down at most.
@@ -96,8 +96,8 @@ pub(super) struct Given<'a> {
     pub(super) mask: &'a [f32],
 }
 
-/// Moves water and load, and exchanges load with the ground. `SEA`: there is a sea; `HARD`: rock hardens. Returns the metres
-/// of water that the sea took, summed over the row.
+/// Moves water and load, and exchanges load with the ground. `SEA`: there is a sea; `HARD`: rock hardens. The state is water,
+/// load, wear and loose ground.
 #[inline(always)]
 pub(super) fn exchange<const SEA: bool, const HARD: bool>(
     c: &Consts,
@@ -107,15 +107,13 @@ pub(super) fn exchange<const SEA: bool, const HARD: bool>(
     load: &mut [f32],
     wear: &mut [f32],
     loose: &mut [f32],
-) -> f64 {
+) {
     let n = water.len();
     let (load, wear, loose) = (&mut load[..n], &mut wear[..n], &mut loose[..n]);
     let (height, filled, before) = (&given.height[..n], &given.filled[..n], &given.before[..n]);
     let (soft, mask) = (&given.soft[..n], &given.mask[..n]);
     let (flow, carried) = (edges.flow.eight(n), edges.load.eight(n));
     let (power, fall) = (edges.power.eight(n), edges.fall.eight(n));
-    let mut taken = [0.0f32; 16];
-    let mut drowned = 0.0;
     for i in 0..n {
         let start = filled[i] - height[i];
         let wet = larger(water[i] - c.share * flow.net(i), -start);
@@ -152,17 +150,32 @@ pub(super) fn exchange<const SEA: bool, const HARD: bool>(
         wear[i] = new_w;
         load[i] = if left > 1e-20 { left } else { 0.0 };
         water[i] = wet;
-        if SEA {
-            let over = (filled[i] - c.sea) + (wet + ((new_l - before[i]) - new_w));
-            let x = c.sea_rate * depth;
-            let gone = if in_sea { larger(over * (x / (1.0 + x)), -depth) } else { 0.0 };
-            let next = larger(wet - gone, -start);
-            water[i] = next;
-            taken[i % 16] += wet - next;
-            if i % 128 == 127 {
-                drowned += total(&mut taken);
-            }
-        }
     }
-    drowned + total(&mut taken)
+}
+
+/// Water of the sea falls or rises to its level; returns the metres that the sea took, summed over the row. `before` is room for
+/// a row.
+#[inline(always)]
+pub(super) fn drown(
+    c: &Consts,
+    given: Given<'_>,
+    [wear, loose]: [&[f32]; 2],
+    water: &mut [f32],
+    before: &mut [f32],
+) -> f64 {
+    let n = water.len();
+    let (height, filled, was_loose) = (&given.height[..n], &given.filled[..n], &given.before[..n]);
+    let (wear, loose, before) = (&wear[..n], &loose[..n], &mut before[..n]);
+    before.copy_from_slice(water);
+    for i in 0..n {
+        let change = (loose[i] - was_loose[i]) - wear[i];
+        let start = filled[i] - height[i];
+        let depth = larger(start + water[i], 0.0);
+        let over = (filled[i] - c.sea) + (water[i] + change);
+        let x = c.sea_rate * depth;
+        let gone = larger(over * (x / (1.0 + x)), -depth);
+        let gone = if height[i] + change < c.sea { gone } else { 0.0 };
+        water[i] = larger(water[i] - gone, -start);
+    }
+    difference(before, water)
 }

@@ -21,6 +21,8 @@ pub(super) struct Held {
     /// A row of zeros, with a sample before and after, and one of ones.
     pub(super) none: Vec<f32>,
     pub(super) one: Vec<f32>,
+    /// Room for a row.
+    pub(super) spare: Vec<f32>,
     pub(super) swept: Swept,
 }
 
@@ -41,6 +43,7 @@ impl Held {
             load: four(),
             none: vec![0.0; cols + 2],
             one: vec![1.0; cols],
+            spare: vec![0.0; cols],
             swept: Swept::default(),
         }
     }

@@ -7,10 +7,10 @@
 
 use super::border;
 use super::consts::Consts;
-use super::ground::{Around, Edges, Given, exchange};
+use super::ground::{Around, Edges, Given, drown, exchange};
 use super::held::Held;
 use super::site::Site;
-use super::water::{Ends, drive, limit, rain, share, slow, square, start};
+use super::water::{Ends, drive, evaporate, limit, rain, share, slow, square, start};
 use crate::kit::erosion::band::Band;
 use crate::kit::erosion::lines::Lines;
 use crate::kit::simd::Kernel;
@@ -90,12 +90,15 @@ impl Sweep<'_> {
         let span = site.span(y);
         let (height, filled) = (&site.height[span.clone()], &site.filled[span.clone()]);
         let [water, load, wear, loose, ..] = self.band.row(y);
-        if self.consts.rains || site.evaporation.is_some() {
-            let falling = if self.consts.rains { &site.rain[span] } else { &held.none[..site.cols] };
-            let rate = site.row_or(site.evaporation.as_deref(), y, &held.none);
-            let [came, gone] = rain(self.consts.dt, [height, filled], [falling, rate], water);
+        if self.consts.rains {
+            let came = rain(self.consts.dt, &site.rain[span.clone()], water, &mut held.spare);
             if own {
                 held.swept.rained.push(came);
+            }
+        }
+        if let Some(rate) = site.evaporation.as_deref() {
+            let gone = evaporate(self.consts.dt, [height, filled], &rate[span], water, &mut held.spare);
+            if own {
                 held.swept.evaporated.push(gone);
             }
         }
@@ -225,12 +228,13 @@ impl Sweep<'_> {
             fall: around(&held.deep, &held.none, y),
         };
         let [water, load, wear, loose, flows @ ..] = self.band.row(y);
-        let sea = exchange::<SEA, HARD>(&self.consts, given, edges, water, load, wear, loose);
+        exchange::<SEA, HARD>(&self.consts, given, edges, water, load, wear, loose);
         for (row, flow) in flows.into_iter().zip(&held.flow) {
             row.copy_from_slice(flow.row(y));
         }
         if SEA {
-            self.held.swept.sea.push(sea);
+            let taken = drown(&self.consts, given, [wear, loose], water, &mut held.spare);
+            held.swept.sea.push(taken);
         }
     }
 }

@@ -21,40 +21,55 @@ const MOST: f32 = 0.999_999;
 /// A side of an octagon of width 1.
 pub(super) const SIDE: f32 = std::f32::consts::SQRT_2 - 1.0;
 
-/// Rain falls on a row and water goes into the air, no more than there is. Returns the metres that came and went, summed over
-/// the row, as rounding let them: deep water far from its start swallows a part of what falls.
+/// Rain falls on a row; returns the metres that came, summed over the row, as rounding let them: deep water far from its start
+/// swallows a part of what falls. `before` is room for a row.
 #[inline(always)]
-pub(super) fn rain(
-    dt: f32,
-    [height, filled]: [&[f32]; 2],
-    [rain, rate]: [&[f32]; 2],
-    water: &mut [f32],
-) -> [f64; 2] {
+pub(super) fn rain(dt: f32, rain: &[f32], water: &mut [f32], before: &mut [f32]) -> f64 {
     let n = water.len();
-    let (height, filled, rain, rate) = (&height[..n], &filled[..n], &rain[..n], &rate[..n]);
-    let mut sums = [0.0; 2];
-    let (mut came, mut gone) = ([0.0f32; 16], [0.0f32; 16]);
+    let (rain, before) = (&rain[..n], &mut before[..n]);
+    before.copy_from_slice(water);
     for i in 0..n {
-        let before = water[i];
-        let wet = before + rain[i] * dt;
-        let there = larger((filled[i] - height[i]) + wet, 0.0);
-        let dry = wet - smaller(there, rate[i] * dt);
-        water[i] = dry;
-        came[i % 16] += wet - before;
-        gone[i % 16] += wet - dry;
-        if i % 128 == 127 {
-            sums = [sums[0] + total(&mut came), sums[1] + total(&mut gone)];
-        }
+        water[i] += rain[i] * dt;
     }
-    [sums[0] + total(&mut came), sums[1] + total(&mut gone)]
+    difference(water, before)
 }
 
-/// A sum of sums side by side, which begin anew.
+/// Water of a row goes into the air, no more than there is; returns the metres that went, summed over the row. `before` is room
+/// for a row.
 #[inline(always)]
-pub(super) fn total(sums: &mut [f32; 16]) -> f64 {
-    let total = sums.iter().map(|&sum| f64::from(sum)).sum();
-    *sums = [0.0; 16];
-    total
+pub(super) fn evaporate(
+    dt: f32,
+    [height, filled]: [&[f32]; 2],
+    rate: &[f32],
+    water: &mut [f32],
+    before: &mut [f32],
+) -> f64 {
+    let n = water.len();
+    let (height, filled, rate, before) = (&height[..n], &filled[..n], &rate[..n], &mut before[..n]);
+    before.copy_from_slice(water);
+    for i in 0..n {
+        let there = larger((filled[i] - height[i]) + water[i], 0.0);
+        water[i] -= smaller(there, rate[i] * dt);
+    }
+    difference(before, water)
+}
+
+/// The sum of `a − b`. Few numbers are added as `f32`, so that rounding stays far below a millionth.
+#[inline(always)]
+pub(super) fn difference(a: &[f32], b: &[f32]) -> f64 {
+    let mut sum = 0.0;
+    for (a, b) in a.chunks(128).zip(b.chunks(128)) {
+        let mut lanes = [0.0f32; 16];
+        let (a, b) = (a.chunks_exact(16), b.chunks_exact(16));
+        let rest = a.remainder().iter().zip(b.remainder()).map(|(a, b)| f64::from(a - b)).sum::<f64>();
+        for (a, b) in a.zip(b) {
+            for k in 0..16 {
+                lanes[k] += a[k] - b[k];
+            }
+        }
+        sum += rest + lanes.iter().map(|&lane| f64::from(lane)).sum::<f64>();
+    }
+    sum
 }
 
 /// What follows from the state of a row: depth, change of the bed, change of the surface, load per water. `given` are input
