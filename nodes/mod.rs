@@ -83,6 +83,7 @@ registry! {
 
     /// Lets land rise and wear.
     erosion {
+        hydraulic_erosion: HydraulicErosion,
         stream_power: StreamPower,
         thermal_erosion: ThermalErosion,
     }

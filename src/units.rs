@@ -48,6 +48,16 @@ units! {
     SquareMetres = "m2", 0.0, 4.0e14;
     /// A time, in years.
     Years = "a", 0.0, 1.0e9;
+    /// A time, in hours.
+    Hours = "h", 0.0, 1.0e9;
+    /// A time, in seconds.
+    Seconds = "s", 0.0, 1.0e9;
+    /// A speed, in m/s.
+    MetresPerSecond = "m/s", 0.0, 1.0e4;
+    /// A discharge, in m³/s.
+    Discharge = "m3/s", 0.0, 1.0e9;
+    /// Rain or evaporation, in mm/h.
+    MillimetresPerHour = "mm/h", 0.0, 1.0e6;
     /// An angle, in degrees.
     Degrees = "deg", -360.0, 360.0;
     /// A share from 0 to 1.

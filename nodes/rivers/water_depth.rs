@@ -24,7 +24,7 @@ ports! {
     }
     pub struct Outputs {
         /// Depth of the water, in metres.
-        depth: Field = Meaning::Fixed(Quantity::Distance),
+        depth: Field = Meaning::Fixed(Quantity::Depth),
         /// Where there is water: 1, and 0 elsewhere.
         water: Field = Meaning::Fixed(Quantity::Mask),
     }
@@ -41,7 +41,7 @@ impl Node for WaterDepth {
 
     fn run(&self, cx: &Context<'_>, Inputs { height, level, label }: Inputs) -> Result<Outputs> {
         let [height, level, label] = [height, level, label].map(|field| field.crop(&cx.grid));
-        let depth = cx.stage(0.0, 0.7).fill(Quantity::Distance, |row, out: &mut [f32]| {
+        let depth = cx.stage(0.0, 0.7).fill(Quantity::Depth, |row, out: &mut [f32]| {
             let inputs = height.row(row.j).iter().zip(level.row(row.j)).zip(label.row(row.j));
             for (depth, ((&height, &level), &label)) in out.iter_mut().zip(inputs) {
                 // A difference of two heights of opposite sign may be too large for an f32.

@@ -66,10 +66,18 @@ quantities! {
     Curvature: "curvature", "1/m", Spline, signed;
     /// An area in square metres.
     Area: "area", "m2", Linear, unsigned;
-    /// A distance or depth in metres, nowhere below 0.
+    /// A distance or thickness in metres, nowhere below 0.
     Distance: "distance", "m", Linear, unsigned;
     /// Water that passes in a second, in cubic metres.
     Flow: "flow", "m3/s", Linear, unsigned;
+    /// A depth of water in metres.
+    Depth: "depth", "m", Linear, unsigned;
+    /// How fast something moves, as two components in m/s.
+    Velocity: "velocity", "m/s", Linear, signed;
+    /// A temperature in degrees Celsius.
+    Temperature: "temperature", "degC", Spline, signed;
+    /// Rain in millimetres an hour.
+    Rain: "rain", "mm/h", Linear, unsigned;
     /// A plain number.
     Number: "number", "1", Spline, signed;
     /// A whole number that names something; never averaged.

@@ -136,6 +136,25 @@ fn balance(values: &mut [f32], wanted: f64) {
     }
 }
 
+/// Keeps values that are not below 0 to a most of each point, and adds what was above it to the others that are not 0, as far as
+/// they have room.
+pub fn cap(values: &mut [f32], most: impl Fn(usize) -> f32) {
+    let before = sum(values, |value| value);
+    for (k, value) in values.iter_mut().enumerate() {
+        *value = value.min(most(k));
+    }
+    let over = before - sum(values, |value| value);
+    if over <= 0.0 {
+        return;
+    }
+    let room = |k: usize, value: f32| if value > 0.0 { f64::from(most(k) - value) } else { 0.0 };
+    let whole: f64 = values.iter().enumerate().map(|(k, &value)| room(k, value)).sum();
+    let part = if whole > 0.0 { (over / whole).min(1.0) } else { 0.0 };
+    for (k, value) in values.iter_mut().enumerate() {
+        *value += (part * room(k, *value)) as f32;
+    }
+}
+
 /// A sum over values in their order.
 pub fn sum(values: &[f32], of: impl Fn(f32) -> f32) -> f64 {
     // Blocks of one size whatever the machine; eight sums side by side, since each addition waits for the one before.

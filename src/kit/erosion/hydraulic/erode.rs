@@ -36,7 +36,7 @@ pub struct Land<'a> {
     /// Level of the sea, in metres.
     pub sea: Option<f64>,
     /// The base grid.
-    pub base: &'a Level,
+    pub base: Level,
 }
 
 /// Land after the rain; all row by row.
@@ -105,7 +105,7 @@ pub fn erode(
 ) -> Result<Eroded, Cancelled> {
     let ladder = Ladder::new(&land.base.grid, settings.feature);
     let (levels, times) = (ladder.levels(), times(&ladder, settings));
-    let total = cell_steps(land.base, settings).max(1.0);
+    let total = cell_steps(&land.base, settings).max(1.0);
     let (mut done, mut elapsed, mut account) = (0.0, 0.0, Account::default());
     let mut below: Option<(&Level, Site, State)> = None;
     for (k, (level, (seconds, steps))) in levels.iter().zip(times).enumerate() {
@@ -120,7 +120,7 @@ pub fn erode(
         let state = match below.take() {
             Some((from, below, coarse)) => {
                 let from = Coarse { level: from, site: &below, state: &coarse };
-                let mut state = refine::ground(from, level, &mut site, &quiet)?;
+                let mut state = refine::ground(from, level, &mut site, settings, &quiet)?;
                 fill(&mut site, settings, &quiet)?;
                 let (water, more) = refine::water(from, level, &site, &state, &quiet)?;
                 account.refined += more;

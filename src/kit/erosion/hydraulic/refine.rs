@@ -7,9 +7,9 @@
 //! The input of the finer level has detail that the coarser one did not know. Where that cut or filled, the detail fades: a
 //! valley floor that was laid down has no bumps of the old land. What bumps lose fills the hollows, so that nothing is lost.
 
-use super::{Site, State};
+use super::{Settings, Site, State};
 use crate::kit::erosion::ladder::Level;
-use crate::kit::erosion::prolong::{Least, Rule, prolong, sum};
+use crate::kit::erosion::prolong::{Least, Rule, cap, prolong, sum};
 use crate::work::{Cancelled, Work};
 
 /// Depth in metres from which water is carried by its surface.
@@ -31,12 +31,16 @@ pub(super) fn ground(
     from: Coarse<'_>,
     level: &Level,
     site: &mut Site,
+    settings: &Settings,
     work: &Work<'_>,
 ) -> Result<State, Cancelled> {
     let levels = [from.level, level];
     let amount = Rule { mask: site.mask.as_deref(), ..Rule::AMOUNT };
     let mut state = State::of(site);
     state.wear = prolong(levels, &from.state.wear, &amount, work)?.values;
+    if settings.most_wear > 0.0 {
+        cap(&mut state.wear, |_| settings.most_wear as f32);
+    }
     // A mask does not hold water back, and load is in the water.
     state.load = prolong(levels, &from.state.load, &Rule::AMOUNT, work)?.values;
     let gained = match &from.site.before {
@@ -46,7 +50,10 @@ pub(super) fn ground(
     let floor: Option<Vec<f32>> =
         site.before.as_ref().map(|before| before.iter().map(|before| -before).collect());
     let least = floor.as_deref().map_or(Least::Zero, Least::Each);
-    let gained = prolong(levels, &gained, &Rule { least, ..amount }, work)?.values;
+    let mut gained = prolong(levels, &gained, &Rule { least, ..amount }, work)?.values;
+    if settings.most_deposit > 0.0 {
+        cap(&mut gained, |k| settings.most_deposit as f32 + state.wear[k]);
+    }
     state.loose.iter_mut().zip(&gained).for_each(|(loose, gained)| *loose = (*loose + gained).max(0.0));
     let faded = fade(from, level, site, &state, work)?;
     for (height, faded) in site.height.iter_mut().zip(&faded).filter(|(_, faded)| **faded != 0.0) {
@@ -120,7 +127,8 @@ pub(super) fn water(
                 let same = lake > 0.0 && coarse.filled[at] > coarse.height[at];
                 let rose = from.state.change(coarse, at) + wet;
                 let rose = if same { rose } else { (coarse.filled[at] - site.filled[k]) + rose };
-                if depth > DEEP && (same || wet != 0.0) {
+                // A lake of the coarser start alone is one of its sampling, and no water that came.
+                if if same { depth } else { wet } > DEEP {
                     deep += share;
                     surface += share * rose;
                 }
