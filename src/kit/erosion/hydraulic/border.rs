@@ -1,8 +1,8 @@
 //! The open border: water and load leave, counted, and nothing shows where.
 //!
 //! The cells of the border are the outside. Water only goes into them, never out; each has the depth that its inner neighbour
-//! has, so that the surface falls over the border as the ground does, or by a hundredth where the ground rises. Its ground
-//! changes as that of its neighbour: it neither stands as a dam in a valley nor falls away below it.
+//! has, so that the surface falls over the border as the ground does, or by a hundredth where the ground rises. Its ground rises
+//! with that of its neighbour, and falls only where it would stand as a dam: rivers cut down to the border and not below it.
 
 use super::site::{Site, State};
 use crate::kit::erosion::lines::Lines;
@@ -95,14 +95,19 @@ fn clear_cell(site: &Site, state: &mut State, [i, j]: [usize; 2], left: &mut Lef
     state.water[cell] = water;
 }
 
-/// Ground of a cell of the border changes as that of its inner neighbour did.
+/// Ground of a cell of the border rises as that of its inner neighbour, and falls with it as far as it would be a dam: it holds
+/// the level to which the rivers cut.
 fn follow(site: &Site, state: &mut State, [cell, inner]: [usize; 2], left: &mut Left) {
     let solid = |state: &State| f64::from(state.loose[cell]) - f64::from(state.wear[cell]);
     let had = solid(state);
     let before = |cell: usize| site.before.as_ref().map_or(0.0, |before| before[cell]);
-    let loose = before(cell) + (state.loose[inner] - before(inner));
+    let change = state.change(site, inner);
+    let dam = (site.height[cell] - site.height[inner]) + LEAST * site.cell as f32 - change;
+    let fallen = dam.min(-change).max(0.0);
+    let loose = before(cell) + if change > 0.0 { state.loose[inner] - before(inner) } else { -fallen };
     state.loose[cell] = loose.max(0.0);
-    // Where it has less loose ground than went beside it, rock goes for the rest.
-    state.wear[cell] = state.wear[inner] + (-loose).max(0.0);
+    // Where it has less loose ground than goes, rock goes for the rest.
+    let wear = if change > 0.0 { state.wear[inner] } else { 0.0 };
+    state.wear[cell] = wear + (-loose).max(0.0);
     left.solid += had - solid(state);
 }
