@@ -92,6 +92,7 @@ registry! {
     blend {
         combine: Combine,
         mix: Mix,
+        mix_colors: MixColors,
         poisson_blend: PoissonBlend,
         switch: Switch,
     }

@@ -28,7 +28,10 @@ pub mod prelude {
         Summarize, Summary,
     };
     pub use crate::ports::Meaning;
-    pub use crate::units::{Degrees, FilePath, Metres, Number, PerMetre, Ratio, Seed, SquareMetres, Years};
+    pub use crate::units::{
+        Degrees, Discharge, FilePath, Hours, Metres, MetresPerSecond, MillimetresPerHour, Number, PerMetre, Ratio,
+        Seconds, Seed, SquareMetres, Years,
+    };
     pub use crate::value::{
         Colors, Constraints, Curves, Field, Grid, Object, Quantity, Raster, Ridges, Rivers, Terrain, Value,
         Vectors,

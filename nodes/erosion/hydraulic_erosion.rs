@@ -153,7 +153,7 @@ ports! {
         height: Field = Meaning::like("height"),
         /// Loose ground, in metres.
         loose: Field = Meaning::Fixed(Quantity::Distance),
-        /// Depth of the water, mean of the last part of the rain, in metres.
+        /// Depth of the water, mean of the last half of the rain, in metres.
         water: Field = Meaning::Fixed(Quantity::Depth),
         /// Discharge across a sample, in the same mean, in m³/s; 0 in the sea.
         flow: Field = Meaning::Fixed(Quantity::Flow),

@@ -9,6 +9,9 @@ use rayon::prelude::*;
 /// Most rows of a band: work of one thread, which others may take over.
 const TALLEST: usize = 128;
 
+/// Fewest cells of a band: below that waking a thread takes longer than the sweep.
+const FEWEST: usize = 1 << 13;
+
 /// The bands of a grid whose state is `N` numbers a cell, with room for what each band works on.
 #[derive(Debug)]
 pub(super) struct Bands<const N: usize, H> {
@@ -31,7 +34,7 @@ impl<const N: usize, H: Send> Bands<N, H> {
         let threads = rayon::current_num_threads();
         let count = threads * rows.div_ceil(threads * TALLEST).max(1);
         // Bands shorter than twice their reach would work out more rows than their own.
-        let tall = rows.div_ceil(count).max(2 * reach + 2);
+        let tall = rows.div_ceil(count).max(2 * reach + 2).max(FEWEST / cols.max(1));
         let room = |from: usize| {
             let to = (from + tall).min(rows);
             let copies = |count: usize| vec![0.0; count * N * cols];
@@ -71,6 +74,10 @@ impl<const N: usize, H: Send> Bands<N, H> {
                 (Band { cols, reach, rows: *rows, state, halo }, held)
             })
             .collect();
+        if let [_] = bands[..] {
+            bands.into_iter().for_each(|(band, held)| pass(band, held));
+            return;
+        }
         bands.into_par_iter().with_max_len(1).for_each(|(band, held)| pass(band, held));
     }
 }

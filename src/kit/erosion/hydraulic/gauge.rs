@@ -3,10 +3,10 @@
 use super::Run;
 
 /// The part of the rain over which the mean is taken.
-const PART: usize = 4;
+const PART: usize = 2;
 
 /// Number of readings, if there are as many steps.
-const READINGS: usize = 32;
+const READINGS: usize = 48;
 
 /// Water over a while, row by row.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,7 +19,7 @@ pub struct Water {
     pub velocity: Vec<[f32; 2]>,
 }
 
-/// Readings of depth and flow over the last part of the rain.
+/// Readings of depth and flow over the last half of the rain.
 pub(super) struct Gauge {
     first: usize,
     every: usize,
