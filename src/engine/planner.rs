@@ -1,5 +1,7 @@
 //! From what is wanted to tasks: each node collects what its consumers need before it asks its own sources.
 
+use std::borrow::Cow;
+
 use super::account::Sizes;
 use super::cache::{Found, Stock, Store};
 use super::error::SharedFailure;
@@ -141,10 +143,11 @@ impl<'a> Planner<'a> {
             let asks = if found.is_none() { Self::input_asks(step, |_| self.base) } else { Vec::new() };
             self.drafts.push(Draft { step: i, stage, grid, read, key, found, asks });
         }
-        let asked: Vec<_> = self.drafts[first..].iter().flat_map(|d| d.asks.clone()).collect();
-        for (_, ask) in asked {
-            if let Ask::Result { step, read, grid } = ask {
-                self.ask(step, read, grid);
+        for draft in first..self.drafts.len() {
+            for ask in 0..self.drafts[draft].asks.len() {
+                if let (_, Ask::Result { step, read, grid }) = self.drafts[draft].asks[ask] {
+                    self.ask(step, read, grid);
+                }
             }
         }
     }
@@ -285,12 +288,12 @@ fn asked(input: &Input, grid: Grid) -> Ask {
 }
 
 /// The name of a stage in keys. A lift makes what is read and nothing else, so that its key says what.
-fn named(step: &Step, stage: Stage, read: Outputs) -> String {
+fn named(step: &Step, stage: Stage, read: Outputs) -> Cow<'static, str> {
     if stage != Stage::Lift || read == Outputs::all(&step.kind) {
-        return stage.name().to_owned();
+        return stage.name().into();
     }
     let ports: Vec<&str> = read.ports(&step.kind).map(|p| p.name.as_str()).collect();
-    format!("{} of {}", stage.name(), ports.join(" "))
+    format!("{} of {}", stage.name(), ports.join(" ")).into()
 }
 
 /// Task numbers by what they give.

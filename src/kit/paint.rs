@@ -77,19 +77,16 @@ impl Stroke {
     /// looked at; the distance is worked out in the box around each segment, the weight in the box around all.
     fn nanoseconds(&self, grid: &Grid) -> f64 {
         let Some(bounds) = self.bounds() else { return 0.0 };
-        let window = grid.bounds();
-        let inside = |b: &Bounds| {
-            [0, 1].map(|k| {
-                let metres = b.max[k].min(window.max[k]) - b.min[k].max(window.min[k]);
-                if metres < 0.0 { 0.0 } else { metres / grid.cell() + 1.0 }
-            })
+        let (window, cell, r) = (grid.bounds(), grid.cell(), self.radius.0);
+        // Samples along an axis between two coordinates, as far as they are in the window.
+        let inside = |k: usize, from: f64, to: f64| {
+            let metres = to.min(window.max[k]) - from.max(window.min[k]);
+            if metres < 0.0 { 0.0 } else { metres / cell + 1.0 }
         };
-        let [columns, rows] = inside(&bounds);
+        let [columns, rows] = [0, 1].map(|k| inside(k, bounds.min[k], bounds.max[k]));
         let points = self.points();
-        let segment = |w: &[[f64; 2]]| {
-            let box_of = Bounds::around(w.iter().copied()).map(|b| b.grown(self.radius.0));
-            box_of.map_or(0.0, |b| inside(&b).iter().product::<f64>())
-        };
+        let along = |k: usize, a: f64, b: f64| inside(k, a.min(b) - r, a.max(b) + r);
+        let segment = |w: &[[f64; 2]]| along(0, w[0][0], w[1][0]) * along(1, w[0][1], w[1][1]);
         let near: f64 = if points.len() < 2 { columns * rows } else { points.windows(2).map(segment).sum() };
         grid.rows as f64 * 4.0 + rows * (40.0 + 2.0 * points.len() as f64) + 5.0 * near + 5.0 * columns * rows
     }
