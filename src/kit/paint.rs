@@ -78,14 +78,17 @@ impl Stroke {
     fn nanoseconds(&self, grid: &Grid) -> f64 {
         let Some(bounds) = self.bounds() else { return 0.0 };
         let (window, cell, r) = (grid.bounds(), grid.cell(), self.radius.0);
+        // `f64::min` and `max` look for numbers that are none, which takes twice as long.
+        let min = |a: f64, b: f64| if a < b { a } else { b };
+        let max = |a: f64, b: f64| if a > b { a } else { b };
         // Samples along an axis between two coordinates, as far as they are in the window.
         let inside = |k: usize, from: f64, to: f64| {
-            let metres = to.min(window.max[k]) - from.max(window.min[k]);
+            let metres = min(to, window.max[k]) - max(from, window.min[k]);
             if metres < 0.0 { 0.0 } else { metres / cell + 1.0 }
         };
         let [columns, rows] = [0, 1].map(|k| inside(k, bounds.min[k], bounds.max[k]));
         let points = self.points();
-        let along = |k: usize, a: f64, b: f64| inside(k, a.min(b) - r, a.max(b) + r);
+        let along = |k: usize, a: f64, b: f64| inside(k, min(a, b) - r, max(a, b) + r);
         let segment = |w: &[[f64; 2]]| along(0, w[0][0], w[1][0]) * along(1, w[0][1], w[1][1]);
         let near: f64 = if points.len() < 2 { columns * rows } else { points.windows(2).map(segment).sum() };
         grid.rows as f64 * 4.0 + rows * (40.0 + 2.0 * points.len() as f64) + 5.0 * near + 5.0 * columns * rows
