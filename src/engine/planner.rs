@@ -56,7 +56,8 @@ impl<'a> Planner<'a> {
     pub(super) fn new(program: &'a Program, store: &'a Store, stock: Stock) -> Self {
         let base = program.terrain.base_grid();
         let windows = vec![Vec::new(); program.steps.len()];
-        Self { program, store, stock, base, windows, drafts: Vec::new() }
+        let drafts = Vec::with_capacity(program.steps.len());
+        Self { program, store, stock, base, windows, drafts }
     }
 
     /// The tasks in the order in which they run, for each want its task, and the bytes that cutting the wanted windows out
@@ -105,7 +106,11 @@ impl<'a> Planner<'a> {
             Some(window) => {
                 *window = Window { grid: window.grid.union(&grid), read: window.read.union(read) };
             }
-            None => windows.push(Window { grid, read }),
+            None => {
+                // Few steps have a second.
+                windows.reserve_exact(1);
+                windows.push(Window { grid, read });
+            }
         }
     }
 
@@ -154,13 +159,16 @@ impl<'a> Planner<'a> {
 
     /// The key of a result, and where the store has it. What has no key yet is taken for not there.
     fn found(&self, step: &Step, stage: Stage, grid: &Grid, read: Outputs) -> (Option<Key>, Option<Found>) {
-        let key = step.key.map(|key| key.on(&named(step, stage, read), &grid.lattice));
+        let on = |key: Key| key.on(&named(step, stage, read), &grid.lattice);
+        let key = step.key.map(|key| step.key_on((stage, read, grid.lattice), || on(key)));
         (key, key.and_then(|key| self.store.find(&key, grid, (&step.kind, read), self.stock)))
     }
 
     fn input_asks(step: &Step, window: impl Fn(&str) -> Grid) -> Vec<(Role, Ask)> {
         let own = step.inputs.iter().enumerate().filter(|(_, input)| step.kind.hands_over(&input.port));
-        own.map(|(i, input)| (Role::Input(i), asked(input, window(&input.port)))).collect()
+        let mut asks = Vec::with_capacity(step.inputs.len());
+        asks.extend(own.map(|(i, input)| (Role::Input(i), asked(input, window(&input.port)))));
+        asks
     }
 
     fn run_asks(&self, step: &Step, grid: &Grid) -> Vec<(Role, Ask)> {

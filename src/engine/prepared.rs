@@ -18,10 +18,10 @@ impl Prepared {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Stores a program, unless another has its nodes as well.
+    /// Stores a program, in place of those whose nodes it has, unless one of the same graph has all of its own.
     pub(super) fn keep(&self, program: &Arc<Program>) {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if !kept.iter().any(|other| program.is_within(other)) {
+        if !kept.iter().any(|other| program.is_of_graph(other) && program.is_within(other)) {
             kept.retain(|other| !other.is_within(program));
             kept.insert(0, program.clone());
             kept.truncate(KEPT);

@@ -6,13 +6,14 @@ use std::sync::{Arc, OnceLock};
 use super::error::{Failure, SharedFailure};
 use super::key::{Key, Parts};
 use super::outputs::Outputs;
+use super::plan::Stage;
 use super::sources::Sources;
 use super::walk::{Inlet, Walk};
 use crate::graph::{Graph, GraphNode, NodeId, NodeMap, Place, Problem, Revision};
 use crate::name::Name;
 use crate::node::{AnyNode, Cancel, Cost, Error, FileRequest, Kind, Reach, SourceFile};
 use crate::source;
-use crate::value::{Grid, Quantity, Terrain};
+use crate::value::{Grid, Lattice, Quantity, Terrain};
 
 /// The parsed part of a graph that some wanted nodes need.
 #[derive(Debug)]
@@ -27,8 +28,10 @@ pub(super) struct Program {
     /// The node of each step.
     nodes: Vec<NodeId>,
     index: NodeMap<usize>,
-    /// For each step, those that its wires lead to, also where it does not use them.
-    wires: Vec<Vec<usize>>,
+    /// The steps that the wires of each step lead to, also where it does not use them: one step after the other, with the
+    /// end of each.
+    wires: Vec<usize>,
+    ends: Vec<usize>,
     /// Whether programs of the same graph can be parts of it: no kind names files, which may have changed since, and no
     /// cycle says which of its nodes were reached first.
     is_divisible: bool,
@@ -66,7 +69,12 @@ pub(super) struct Ready {
     /// None while the content of a file upstream is not known.
     pub key: Option<Key>,
     reading: OnceLock<Cost>,
+    /// The result that was asked for first, and its key: the next plan most often asks for the same.
+    first: OnceLock<(Asked, Key)>,
 }
+
+/// Which result of a node is asked for: the stage that makes it, the outputs that are read, and the lattice.
+type Asked = (Stage, Outputs, Lattice);
 
 /// What an input reads: its name, the key of the source and the output of the source.
 type KeyedInput = (Name, Key, Name);
@@ -104,6 +112,12 @@ impl Ready {
         }
         let content = |_| source::reading(&self.files);
         *self.reading.get_or_init(|| self.node.reading(&self.files).unwrap_or_else(content))
+    }
+
+    /// The key of a result, which is hashed where it is not that of the result that was asked for first.
+    pub(super) fn key_on(&self, asked: Asked, hash: impl Fn() -> Key) -> Key {
+        let (first, key) = self.first.get_or_init(|| (asked, hash()));
+        if *first == asked { *key } else { hash() }
     }
 
     /// Its files whose content is not known.
@@ -149,11 +163,11 @@ impl Program {
         let earlier: Vec<_> = earlier.iter().filter(|p| p.terrain == *graph.terrain()).collect();
         let mut program = Self::empty(graph.revision(), graph.terrain(), sources, walk.order.len());
         program.is_divisible = walk.cyclic.is_empty();
-        for place in walk.order {
+        for &place in &walk.order {
             if cancel.is_cancelled() {
                 return None;
             }
-            let (id, inlets) = (walk.reached[place].id, &walk.reached[place].inlets);
+            let (id, inlets) = (walk.node(place), walk.inlets(place));
             let step = if walk.cyclic.contains(&place) {
                 let message = format!("node `{}` is part of a cycle", graph.node(id).name);
                 Err(Arc::new(Failure::Graph(message)))
@@ -162,8 +176,10 @@ impl Program {
             };
             let kind = graph.get(id).and_then(|node| node.kind());
             program.is_divisible &= !kind.is_some_and(|kind| kind.names_files());
-            let wires = inlets.iter().filter_map(|i| program.find(i.source.as_ref()?.node)).collect();
-            program.push(id, step, wires);
+            for source in inlets.iter().filter_map(|inlet| inlet.source.as_ref()) {
+                program.wires.extend(program.index.get(&source.node));
+            }
+            program.push(id, step);
         }
         Some(program)
     }
@@ -177,15 +193,23 @@ impl Program {
             nodes: Vec::with_capacity(len),
             index: NodeMap::with_capacity_and_hasher(len, <_>::default()),
             wires: Vec::with_capacity(len),
+            ends: Vec::with_capacity(len),
             is_divisible: false,
         }
     }
 
-    fn push(&mut self, id: NodeId, step: Result<Step, SharedFailure>, wires: Vec<usize>) {
+    /// Adds a step, after its wires were added.
+    fn push(&mut self, id: NodeId, step: Result<Step, SharedFailure>) {
         self.index.insert(id, self.steps.len());
         self.steps.push(step);
         self.nodes.push(id);
-        self.wires.push(wires);
+        self.ends.push(self.wires.len());
+    }
+
+    /// The steps that the wires of a step lead to.
+    fn wires(&self, step: usize) -> &[usize] {
+        let first = step.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.wires[first..self.ends[step]]
     }
 
     /// The program of some nodes of the same graph, as [`new`](Self::new) would make it; `None` where this one does not
@@ -209,7 +233,8 @@ impl Program {
         for (place, i) in order.into_iter().enumerate() {
             places[i] = place;
             let step = self.steps[i].as_ref().map(|step| step.moved(&places)).map_err(Arc::clone);
-            part.push(self.nodes[i], step, self.wires[i].iter().map(|wire| places[*wire]).collect());
+            part.wires.extend(self.wires(i).iter().map(|wire| places[*wire]));
+            part.push(self.nodes[i], step);
         }
         part.is_divisible = true;
         Some(Arc::new(part))
@@ -224,7 +249,7 @@ impl Program {
                 stack.push((root, 0));
             }
             while let Some((step, followed)) = stack.last_mut() {
-                let Some(&next) = self.wires[*step].get(*followed) else {
+                let Some(&next) = self.wires(*step).get(*followed) else {
                     order.push(*step);
                     stack.pop();
                     continue;
@@ -238,9 +263,14 @@ impl Program {
         order
     }
 
-    /// Whether another program of the same graph has all nodes of this one.
+    /// Whether another program is of the same graph.
+    pub(super) fn is_of_graph(&self, other: &Self) -> bool {
+        self.revision == other.revision
+    }
+
+    /// Whether another program has all nodes of this one, in the same terrain.
     pub(super) fn is_within(&self, other: &Self) -> bool {
-        self.revision == other.revision && self.nodes.iter().all(|id| other.find(*id).is_some())
+        self.terrain == other.terrain && self.nodes.iter().all(|id| other.find(*id).is_some())
     }
 
     /// The grid on which a step gives its result when it is asked for on another: a gridless one has none.
@@ -292,7 +322,7 @@ impl Program {
         let key =
             self.key((kind, &*node, &parameters), sources.as_deref(), requests, &found).map_err(wrong)?;
         let (reach, files) = (node.reach(), found.into_iter().flatten().collect::<Vec<_>>());
-        let reading = OnceLock::new();
+        let (reading, first) = (OnceLock::new(), OnceLock::new());
         // What is wrong with a header shows before anybody goes through the content to know it, and so does a file that is
         // not chosen yet.
         let none = nothing_asked && kind.names_files();
@@ -301,7 +331,8 @@ impl Program {
         }
         let quantities = self.quantities(kind, &*node, &inputs);
         let (origin, kind) = (origin.clone(), kind.clone());
-        let own = Arc::new(Ready { origin, sources, kind, node, reach, files, quantities, key, reading });
+        let own =
+            Arc::new(Ready { origin, sources, kind, node, reach, files, quantities, key, reading, first });
         Ok(Step { inputs, own })
     }
 

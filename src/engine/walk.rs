@@ -1,6 +1,7 @@
 //! The walk from wanted nodes up their wires to all that they need.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use crate::graph::{Graph, NodeId, NodeMap, Source};
 
@@ -15,9 +16,10 @@ pub(super) struct Inlet {
 
 /// A node that was reached.
 #[derive(Debug)]
-pub(super) struct Reached {
-    pub id: NodeId,
-    pub inlets: Vec<Inlet>,
+struct Reached {
+    id: NodeId,
+    /// Its wires among those of all nodes.
+    inlets: Range<usize>,
     /// Whether all that it needs was walked.
     is_left: bool,
 }
@@ -25,7 +27,8 @@ pub(super) struct Reached {
 /// The nodes upstream of some nodes, the wires between them, and those that stand on a cycle.
 #[derive(Debug, Default)]
 pub(super) struct Walk {
-    pub reached: Vec<Reached>,
+    reached: Vec<Reached>,
+    inlets: Vec<Inlet>,
     places: NodeMap<usize>,
     /// Indices of the nodes that were reached, sources first.
     pub order: Vec<usize>,
@@ -44,7 +47,7 @@ impl Walk {
                 stack.push((walk.enter(graph, root), 0));
             }
             while let Some((place, followed)) = stack.last_mut() {
-                let Some(inlet) = walk.reached[*place].inlets.get(*followed) else {
+                let Some(inlet) = walk.inlets(*place).get(*followed) else {
                     walk.reached[*place].is_left = true;
                     walk.order.push(*place);
                     stack.pop();
@@ -65,20 +68,27 @@ impl Walk {
         walk
     }
 
-    /// Adds a node, and returns its index.
+    /// The node of an index.
+    pub(super) fn node(&self, place: usize) -> NodeId {
+        self.reached[place].id
+    }
+
+    /// The wires into the node of an index, in the order of its kind's inputs.
+    pub(super) fn inlets(&self, place: usize) -> &[Inlet] {
+        &self.inlets[self.reached[place].inlets.clone()]
+    }
+
+    /// Adds a node with its wires, and returns its index.
     fn enter(&mut self, graph: &Graph, id: NodeId) -> usize {
-        let place = self.reached.len();
+        let (place, first) = (self.reached.len(), self.inlets.len());
+        let kind = graph.get(id).and_then(|node| node.kind());
+        for (port, input) in kind.iter().flat_map(|kind| kind.inputs.iter().enumerate()) {
+            if let Some(source) = graph.source(id, &input.name) {
+                self.inlets.push(Inlet { port, source: graph.passed(source) });
+            }
+        }
         self.places.insert(id, place);
-        self.reached.push(Reached { id, inlets: inlets(graph, id), is_left: false });
+        self.reached.push(Reached { id, inlets: first..self.inlets.len(), is_left: false });
         place
     }
-}
-
-/// The wires into a node, in the order of its kind's inputs.
-fn inlets(graph: &Graph, id: NodeId) -> Vec<Inlet> {
-    let Some(kind) = graph.get(id).and_then(|node| node.kind()) else { return Vec::new() };
-    let inlet = |(port, input): (usize, &crate::ports::Port)| {
-        Some(Inlet { port, source: graph.passed(graph.source(id, &input.name)?) })
-    };
-    kind.inputs.iter().enumerate().filter_map(inlet).collect()
 }

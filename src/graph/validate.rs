@@ -137,8 +137,7 @@ impl Graph {
     fn input_problems(&self, id: NodeId, kind: &Kind, hints: &Hints) -> Vec<Problem> {
         let node = self.node(id);
         let place = |port: &str| Place::Input { node: node.name.clone(), port: port.to_owned() };
-        let parsed = node.parse().ok();
-        let uses = |port: &str| parsed.as_ref().is_none_or(|n| kind.uses(&**n, port));
+        let uses = |port: &str| node.parse().ok().is_none_or(|n| kind.uses(&*n, port));
         let mut found = Vec::new();
         for port in kind.inputs.iter() {
             if let Some(written) = node.loose.get(port.name.as_str()) {
