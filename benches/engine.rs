@@ -71,23 +71,33 @@ fn painted() -> Graph {
 }
 
 /// A movement of a hand on a thousand nodes, as the editor follows it: a copy for the history, one parameter set,
-/// problems, keys and plan looked at again. It drags a number beside the strokes, or a point of one of them.
-#[divan::bench(args = ["number", "stroke"])]
+/// problems, keys and plan looked at again. It drags a number beside the strokes, a point of one of them, or one of them
+/// whole, as a brush does; or it sets all strokes anew, as a stroke more does.
+#[divan::bench(args = ["number", "point", "stroke", "strokes"])]
 fn movement(bencher: Bencher<'_, '_>, what: &str) {
     let (mut graph, engine) = (painted(), engine());
     let (middle, paint) = (graph.find("n500").expect("a node"), graph.find("paint").expect("a node"));
     let nodes: Vec<_> = graph.nodes().collect();
+    let strokes = graph.node(paint).set.value("strokes").expect("strokes");
     let mut step = 0.0;
     bencher.bench_local(|| {
         step += 1.0;
         let mut moved = graph.clone();
-        if what == "number" {
-            moved.set(middle, "about.value.value", json!(step)).expect("a number");
-        } else {
-            let mut strokes = moved.node(paint).set["strokes"].clone();
-            strokes[7]["path"][11] = json!(step);
-            moved.set(paint, "strokes", strokes).expect("strokes");
-        }
+        let done = match what {
+            "number" => moved.set(middle, "about.value.value", json!(step)),
+            "point" => moved.set(paint, "strokes.7.path.11", json!(step)),
+            "stroke" => {
+                let mut stroke = strokes[7].clone();
+                stroke["path"][11] = json!(step);
+                moved.set(paint, "strokes.7", stroke)
+            }
+            _ => {
+                let mut strokes = strokes.clone();
+                strokes[7]["path"][11] = json!(step);
+                moved.set(paint, "strokes", strokes)
+            }
+        };
+        done.expect("a movement");
         assert!(moved.problems().is_empty(), "{:?}", moved.problems());
         let keys = engine.keys(&moved, &nodes, 0, &Unobserved, &Cancel::default()).expect("keys").len();
         let plan = engine.plan(&moved, &want(&moved));

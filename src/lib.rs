@@ -72,7 +72,8 @@
 //! # The document: [`graph`]
 //! A petgraph in memory and canonical JSON on disk, with edits, validation and migration. Whatever the program does not
 //! know in a file, it keeps. *Caching:* no key contains a name, a position on the canvas or a comment, so editing those
-//! runs nothing.
+//! runs nothing. Parameters are parsed when they change; copies of a graph share them, down to the lists of numbers in
+//! them, so that a movement of a hand costs what it moves.
 //!
 //! # Evaluation: [`engine`]
 //! The plan is made from the consumers up: which window of which node is needed, on which lattice. A result that the
@@ -80,7 +81,8 @@
 //! change of a field is added to it there, with as much of its finer detail as [`node::Node::keep`] says.
 //! Tasks run side by side within the memory that the plan allows. *Caching:* the key of a node is a hash of its kind
 //! and version, its canonical parameters, the keys of its inputs, the content of its files, and the settings that its
-//! kind declares to read. The key of a result adds the grid.
+//! kind declares to read. The key of a result adds the grid. Keys, plans and evaluations of one graph share its program,
+//! and the program of a changed graph takes over the nodes that nothing changed for.
 //!
 //! # Faces: [`cli`], `editor`, [`files`], [`render`]
 //! The command line and the editor hold no state beyond what a window needs: the editor's document is a graph with its

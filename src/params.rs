@@ -1,6 +1,7 @@
 //! Parameters as data: the JSON schema of a node's struct drives `--set`, the pages, the checks of the graph file
 //! and the editor's panel.
 
+pub(crate) mod packed;
 pub mod page;
 
 use serde_json::{Map, Value as Json};

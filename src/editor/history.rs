@@ -3,16 +3,13 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use serde_json::Value as Json;
-
 use crate::graph::Graph;
 
 /// Estimated bytes that all states together may take.
 const BUDGET: usize = 256 << 20;
-/// Estimated bytes of a state without its nodes, of a node, and of a number or word in a parameter.
+/// Estimated bytes of a state without its nodes, and of a node without its parameters.
 const STATE: usize = 20_000;
 const NODE: usize = 1500;
-const WORD: usize = 40;
 /// States that are kept even if they exceed the budget.
 const KEPT: usize = 20;
 /// The most states that are kept.
@@ -32,19 +29,9 @@ pub(crate) struct State {
 
 impl State {
     fn new(id: u64, label: &str, graph: Graph) -> Self {
-        let node = |id| NODE + graph.get(id).map_or(0, |n| n.set.values().map(words).sum::<usize>() * WORD);
+        let node = |id| NODE + graph.get(id).map_or(0, |n| n.set.bytes());
         let bytes = STATE + graph.nodes().map(node).sum::<usize>();
         Self { id, label: label.to_owned(), graph: Arc::new(graph), bytes }
-    }
-}
-
-/// The number of numbers, words and lists in a value; drawn curves and strokes have thousands.
-fn words(value: &Json) -> usize {
-    match value {
-        Json::Array(items) => 1 + items.iter().map(words).sum::<usize>(),
-        Json::Object(map) => 1 + map.values().map(|v| 2 + words(v)).sum::<usize>(),
-        Json::String(text) => 1 + text.len() / WORD,
-        _ => 1,
     }
 }
 
@@ -143,7 +130,7 @@ mod tests {
         let mut graph = Graph::new();
         let mask = graph.add("mask", "paint_mask").expect("adds");
         let path: Vec<f64> = (0..8000).map(f64::from).collect();
-        let strokes: Vec<_> = (0..50).map(|_| serde_json::json!({ "path": path })).collect();
+        let strokes: Vec<_> = (0..250).map(|_| serde_json::json!({ "path": path })).collect();
         graph.set(mask, "strokes", strokes.into()).expect("sets");
         let mut history = History::new(graph.clone(), "first");
         for k in 0..100 {

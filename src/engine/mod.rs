@@ -30,6 +30,7 @@ mod reading;
 mod run;
 mod sources;
 mod stage;
+mod walk;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -114,7 +115,8 @@ impl Engine {
         self.plan_of(graph, wants, (self.files.sources(), Stock::All), cancel)
     }
 
-    /// The program of some nodes; it takes over the nodes that earlier programs prepared.
+    /// The program of some nodes: a part of one that was made of the same graph, where there is one, else a new one that
+    /// takes over the nodes that earlier programs prepared.
     fn program(
         &self,
         graph: &Graph,
@@ -122,10 +124,14 @@ impl Engine {
         sources: Arc<Sources>,
         cancel: &Cancel,
     ) -> Result<Arc<Program>, EngineError> {
-        let program = Program::new(graph, nodes, sources, &self.prepared, cancel);
-        let program = program.ok_or(EngineError::Cancelled)?;
-        self.prepared.keep(graph, &program);
-        Ok(Arc::new(program))
+        let earlier = self.prepared.programs();
+        if let Some(part) = earlier.iter().find_map(|program| program.part(graph, nodes, &sources)) {
+            return Ok(part);
+        }
+        let program = Program::new(graph, nodes, sources, &earlier, cancel);
+        let program = Arc::new(program.ok_or(EngineError::Cancelled)?);
+        self.prepared.keep(&program);
+        Ok(program)
     }
 
     /// The plan of wants, with the files and the caches that it may use.

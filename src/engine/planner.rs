@@ -1,5 +1,7 @@
 //! From what is wanted to tasks: each node collects what its consumers need before it asks its own sources.
 
+use std::borrow::Cow;
+
 use super::account::Sizes;
 use super::cache::{Found, Stock, Store};
 use super::error::SharedFailure;
@@ -54,7 +56,8 @@ impl<'a> Planner<'a> {
     pub(super) fn new(program: &'a Program, store: &'a Store, stock: Stock) -> Self {
         let base = program.terrain.base_grid();
         let windows = vec![Vec::new(); program.steps.len()];
-        Self { program, store, stock, base, windows, drafts: Vec::new() }
+        let drafts = Vec::with_capacity(program.steps.len());
+        Self { program, store, stock, base, windows, drafts }
     }
 
     /// The tasks in the order in which they run, for each want its task, and the bytes that cutting the wanted windows out
@@ -103,7 +106,11 @@ impl<'a> Planner<'a> {
             Some(window) => {
                 *window = Window { grid: window.grid.union(&grid), read: window.read.union(read) };
             }
-            None => windows.push(Window { grid, read }),
+            None => {
+                // Few steps have a second.
+                windows.reserve_exact(1);
+                windows.push(Window { grid, read });
+            }
         }
     }
 
@@ -141,23 +148,27 @@ impl<'a> Planner<'a> {
             let asks = if found.is_none() { Self::input_asks(step, |_| self.base) } else { Vec::new() };
             self.drafts.push(Draft { step: i, stage, grid, read, key, found, asks });
         }
-        let asked: Vec<_> = self.drafts[first..].iter().flat_map(|d| d.asks.clone()).collect();
-        for (_, ask) in asked {
-            if let Ask::Result { step, read, grid } = ask {
-                self.ask(step, read, grid);
+        for draft in first..self.drafts.len() {
+            for ask in 0..self.drafts[draft].asks.len() {
+                if let (_, Ask::Result { step, read, grid }) = self.drafts[draft].asks[ask] {
+                    self.ask(step, read, grid);
+                }
             }
         }
     }
 
     /// The key of a result, and where the store has it. What has no key yet is taken for not there.
     fn found(&self, step: &Step, stage: Stage, grid: &Grid, read: Outputs) -> (Option<Key>, Option<Found>) {
-        let key = step.key.map(|key| key.on(&named(step, stage, read), &grid.lattice));
+        let on = |key: Key| key.on(&named(step, stage, read), &grid.lattice);
+        let key = step.key.map(|key| step.key_on((stage, read, grid.lattice), || on(key)));
         (key, key.and_then(|key| self.store.find(&key, grid, (&step.kind, read), self.stock)))
     }
 
     fn input_asks(step: &Step, window: impl Fn(&str) -> Grid) -> Vec<(Role, Ask)> {
         let own = step.inputs.iter().enumerate().filter(|(_, input)| step.kind.hands_over(&input.port));
-        own.map(|(i, input)| (Role::Input(i), asked(input, window(&input.port)))).collect()
+        let mut asks = Vec::with_capacity(step.inputs.len());
+        asks.extend(own.map(|(i, input)| (Role::Input(i), asked(input, window(&input.port)))));
+        asks
     }
 
     fn run_asks(&self, step: &Step, grid: &Grid) -> Vec<(Role, Ask)> {
@@ -285,12 +296,12 @@ fn asked(input: &Input, grid: Grid) -> Ask {
 }
 
 /// The name of a stage in keys. A lift makes what is read and nothing else, so that its key says what.
-fn named(step: &Step, stage: Stage, read: Outputs) -> String {
+fn named(step: &Step, stage: Stage, read: Outputs) -> Cow<'static, str> {
     if stage != Stage::Lift || read == Outputs::all(&step.kind) {
-        return stage.name().to_owned();
+        return stage.name().into();
     }
     let ports: Vec<&str> = read.ports(&step.kind).map(|p| p.name.as_str()).collect();
-    format!("{} of {}", stage.name(), ports.join(" "))
+    format!("{} of {}", stage.name(), ports.join(" ")).into()
 }
 
 /// Task numbers by what they give.

@@ -1,29 +1,40 @@
 //! A graph made ready to evaluate: what stands upstream of the wanted nodes, parsed, in topological order, with keys.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
 use super::error::{Failure, SharedFailure};
 use super::key::{Key, Parts};
 use super::outputs::Outputs;
-use super::prepared::Prepared;
+use super::plan::Stage;
 use super::sources::Sources;
-use crate::graph::{Graph, GraphNode, NodeId, Place, Problem};
+use super::walk::{Inlet, Walk};
+use crate::graph::{Graph, GraphNode, NodeId, NodeMap, Place, Problem, Revision};
 use crate::name::Name;
 use crate::node::{AnyNode, Cancel, Cost, Error, FileRequest, Kind, Reach, SourceFile};
 use crate::source;
-use crate::value::{Grid, Quantity, Terrain};
+use crate::value::{Grid, Lattice, Quantity, Terrain};
 
 /// The parsed part of a graph that some wanted nodes need.
 #[derive(Debug)]
 pub(super) struct Program {
+    /// The graph that it was made of.
+    revision: Revision,
     pub terrain: Terrain,
     /// The files as they were looked at.
     pub sources: Arc<Sources>,
     /// In topological order; a step that failed stands for all that need it.
     pub steps: Vec<Result<Step, SharedFailure>>,
-    index: BTreeMap<NodeId, usize>,
+    /// The node of each step.
+    nodes: Vec<NodeId>,
+    index: NodeMap<usize>,
+    /// The steps that the wires of each step lead to, also where it does not use them: one step after the other, with the
+    /// end of each.
+    wires: Vec<usize>,
+    ends: Vec<usize>,
+    /// Whether programs of the same graph can be parts of it: no kind names files, which may have changed since, and no
+    /// cycle says which of its nodes were reached first.
+    is_divisible: bool,
 }
 
 /// A node ready to run, with what it reads.
@@ -47,8 +58,8 @@ impl Deref for Step {
 pub(super) struct Ready {
     /// The node of the graph that it was made of.
     origin: Arc<GraphNode>,
-    /// What it reads: its input, the key of the source and its output; none while the content of a file is not known.
-    sources: Option<Vec<(Name, Key, Name)>>,
+    /// What it reads; none while the content of a file is not known.
+    sources: Option<Vec<KeyedInput>>,
     pub kind: Arc<Kind>,
     pub node: Arc<dyn AnyNode>,
     pub reach: Reach,
@@ -58,7 +69,17 @@ pub(super) struct Ready {
     /// None while the content of a file upstream is not known.
     pub key: Option<Key>,
     reading: OnceLock<Cost>,
+    /// The result that was asked for first, and its key: the next plan most often asks for the same.
+    first: OnceLock<(Asked, Key)>,
 }
+
+/// Which result of a node is asked for: the stage that makes it, the outputs that are read, and the lattice.
+type Asked = (Stage, Outputs, Lattice);
+
+/// What an input reads: its name, the key of the source and the output of the source.
+type KeyedInput = (Name, Key, Name);
+/// The same, borrowed; the key is not known while the content of a file is not.
+type Keyed<'a> = (&'a Name, Option<Key>, &'a Name);
 
 /// A connected input that matters to the result.
 #[derive(Clone, Debug)]
@@ -77,9 +98,10 @@ impl Ready {
     }
 
     /// Whether it is what would be made of a node that reads some sources. Files may have changed since.
-    fn serves(&self, origin: &Arc<GraphNode>, sources: Option<&[(Name, Key, Name)]>) -> bool {
-        let same = sources.is_some() && self.sources.as_deref() == sources;
-        same && Arc::ptr_eq(&self.origin, origin) && !self.kind.names_files()
+    fn serves<'a>(&'a self, origin: &Arc<GraphNode>, sources: impl Iterator<Item = Keyed<'a>>) -> bool {
+        let Some(own) = &self.sources else { return false };
+        let own = own.iter().map(|(port, key, from)| (port, Some(*key), from));
+        Arc::ptr_eq(&self.origin, origin) && !self.kind.names_files() && own.eq(sources)
     }
 
     /// What reading its files takes; headers are looked at once. Of files that cannot be read it is the content: the
@@ -90,6 +112,12 @@ impl Ready {
         }
         let content = |_| source::reading(&self.files);
         *self.reading.get_or_init(|| self.node.reading(&self.files).unwrap_or_else(content))
+    }
+
+    /// The key of a result, which is hashed where it is not that of the result that was asked for first.
+    pub(super) fn key_on(&self, asked: Asked, hash: impl Fn() -> Key) -> Key {
+        let (first, key) = self.first.get_or_init(|| (asked, hash()));
+        if *first == asked { *key } else { hash() }
     }
 
     /// Its files whose content is not known.
@@ -113,35 +141,136 @@ impl Step {
     pub(super) fn input(&self, port: &str) -> Option<&Input> {
         self.index(port).map(|i| &self.inputs[i])
     }
+
+    /// The step in a program in which the steps have other places.
+    fn moved(&self, places: &[usize]) -> Self {
+        let moved = |input: &Input| Input { step: places[input.step], ..input.clone() };
+        Self { inputs: self.inputs.iter().map(moved).collect(), own: self.own.clone() }
+    }
 }
 
 impl Program {
     /// Makes what some nodes need ready; nothing when it is cancelled. No content of a file is read. What is as it was in
-    /// an earlier program is taken over from there.
+    /// one of the earlier programs is taken over from there.
     pub(super) fn new(
         graph: &Graph,
         wanted: &[NodeId],
         sources: Arc<Sources>,
-        prepared: &Prepared,
+        earlier: &[Arc<Self>],
         cancel: &Cancel,
     ) -> Option<Self> {
-        let terrain = graph.terrain().clone();
-        let mut program = Self { terrain, sources, steps: Vec::new(), index: BTreeMap::new() };
-        let (order, cyclic) = upstream(graph, wanted);
-        for id in order {
+        let walk = Walk::new(graph, wanted);
+        let earlier: Vec<_> = earlier.iter().filter(|p| p.terrain == *graph.terrain()).collect();
+        let mut program = Self::empty(graph.revision(), graph.terrain(), sources, walk.order.len());
+        program.is_divisible = walk.cyclic.is_empty();
+        for &place in &walk.order {
             if cancel.is_cancelled() {
                 return None;
             }
-            let step = if cyclic.contains(&id) {
+            let (id, inlets) = (walk.node(place), walk.inlets(place));
+            let step = if walk.cyclic.contains(&place) {
                 let message = format!("node `{}` is part of a cycle", graph.node(id).name);
                 Err(Arc::new(Failure::Graph(message)))
             } else {
-                program.step(graph, id, prepared)
+                program.step(graph, id, inlets, &earlier)
             };
-            program.index.insert(id, program.steps.len());
-            program.steps.push(step);
+            let kind = graph.get(id).and_then(|node| node.kind());
+            program.is_divisible &= !kind.is_some_and(|kind| kind.names_files());
+            for source in inlets.iter().filter_map(|inlet| inlet.source.as_ref()) {
+                program.wires.extend(program.index.get(&source.node));
+            }
+            program.push(id, step);
         }
         Some(program)
+    }
+
+    fn empty(revision: Revision, terrain: &Terrain, sources: Arc<Sources>, len: usize) -> Self {
+        Self {
+            revision,
+            terrain: terrain.clone(),
+            sources,
+            steps: Vec::with_capacity(len),
+            nodes: Vec::with_capacity(len),
+            index: NodeMap::with_capacity_and_hasher(len, <_>::default()),
+            wires: Vec::with_capacity(len),
+            ends: Vec::with_capacity(len),
+            is_divisible: false,
+        }
+    }
+
+    /// Adds a step, after its wires were added.
+    fn push(&mut self, id: NodeId, step: Result<Step, SharedFailure>) {
+        self.index.insert(id, self.steps.len());
+        self.steps.push(step);
+        self.nodes.push(id);
+        self.ends.push(self.wires.len());
+    }
+
+    /// The steps that the wires of a step lead to.
+    fn wires(&self, step: usize) -> &[usize] {
+        let first = step.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.wires[first..self.ends[step]]
+    }
+
+    /// The program of some nodes of the same graph, as [`new`](Self::new) would make it; `None` where this one does not
+    /// have it.
+    pub(super) fn part(
+        self: &Arc<Self>,
+        graph: &Graph,
+        wanted: &[NodeId],
+        sources: &Arc<Sources>,
+    ) -> Option<Arc<Self>> {
+        if !self.is_divisible || self.revision != graph.revision() {
+            return None;
+        }
+        let wanted: Vec<usize> = wanted.iter().map(|id| self.find(*id)).collect::<Option<_>>()?;
+        let order = self.upstream(&wanted);
+        if order.iter().copied().eq(0..self.steps.len()) {
+            return Some(self.clone());
+        }
+        let mut part = Self::empty(self.revision, &self.terrain, sources.clone(), order.len());
+        let mut places = vec![0; self.steps.len()];
+        for (place, i) in order.into_iter().enumerate() {
+            places[i] = place;
+            let step = self.steps[i].as_ref().map(|step| step.moved(&places)).map_err(Arc::clone);
+            part.wires.extend(self.wires(i).iter().map(|wire| places[*wire]));
+            part.push(self.nodes[i], step);
+        }
+        part.is_divisible = true;
+        Some(Arc::new(part))
+    }
+
+    /// Some steps and those upstream of them, sources first, in the order in which a [`Walk`] leaves them.
+    fn upstream(&self, wanted: &[usize]) -> Vec<usize> {
+        let (mut order, mut is_entered) = (Vec::new(), vec![false; self.steps.len()]);
+        let mut stack: Vec<(usize, usize)> = Vec::new();
+        for &root in wanted {
+            if !std::mem::replace(&mut is_entered[root], true) {
+                stack.push((root, 0));
+            }
+            while let Some((step, followed)) = stack.last_mut() {
+                let Some(&next) = self.wires(*step).get(*followed) else {
+                    order.push(*step);
+                    stack.pop();
+                    continue;
+                };
+                *followed += 1;
+                if !std::mem::replace(&mut is_entered[next], true) {
+                    stack.push((next, 0));
+                }
+            }
+        }
+        order
+    }
+
+    /// Whether another program is of the same graph.
+    pub(super) fn is_of_graph(&self, other: &Self) -> bool {
+        self.revision == other.revision
+    }
+
+    /// Whether another program has all nodes of this one, in the same terrain.
+    pub(super) fn is_within(&self, other: &Self) -> bool {
+        self.terrain == other.terrain && self.nodes.iter().all(|id| other.find(*id).is_some())
     }
 
     /// The grid on which a step gives its result when it is asked for on another: a gridless one has none.
@@ -150,37 +279,42 @@ impl Program {
         if gridless { Grid::NOWHERE } else { grid }
     }
 
-    /// The nodes that are ready.
-    pub(super) fn ready(&self) -> impl Iterator<Item = (NodeId, Arc<Ready>)> {
-        let ready = |(id, step): (&NodeId, &usize)| Some((*id, self.steps[*step].as_ref().ok()?.own.clone()));
-        self.index.iter().filter_map(ready)
-    }
-
     pub(super) fn find(&self, id: NodeId) -> Option<usize> {
         self.index.get(&id).copied()
     }
 
     /// The node of a step.
     pub(super) fn node(&self, step: usize) -> Option<NodeId> {
-        self.index.iter().find(|(_, i)| **i == step).map(|(id, _)| *id)
+        self.nodes.get(step).copied()
     }
 
-    fn step(&self, graph: &Graph, id: NodeId, prepared: &Prepared) -> Result<Step, SharedFailure> {
+    /// The step of a node, where it is ready.
+    fn ready(&self, id: NodeId) -> Option<&Arc<Ready>> {
+        Some(&self.steps[self.find(id)?].as_ref().ok()?.own)
+    }
+
+    fn step(
+        &self,
+        graph: &Graph,
+        id: NodeId,
+        inlets: &[Inlet],
+        earlier: &[&Arc<Self>],
+    ) -> Result<Step, SharedFailure> {
         let origin = graph.shared(id).ok_or_else(|| Arc::new(Failure::Graph("a node is gone".to_owned())))?;
         let name = &origin.name;
         let wrong = |error: Error| Arc::new(Failure::of_document(name, error));
         let node = origin.parse().map_err(wrong)?;
         let unknown = || Arc::new(Failure::Graph(format!("node `{name}` is of an unknown kind")));
         let kind = origin.kind().ok_or_else(unknown)?;
-        let inputs = self.inputs(graph, id, kind, &*node).map_err(|e| match e {
+        let inputs = self.inputs(graph, id, inlets, kind, &*node).map_err(|e| match e {
             InputFault::Here(error) => wrong(error),
             InputFault::Upstream(shared) => shared,
         })?;
-        let sources = self.sources_of(&inputs);
-        let known = prepared.get(&self.terrain, id);
-        if let Some(own) = known.filter(|known| known.serves(origin, sources.as_deref())) {
-            return Ok(Step { inputs, own });
+        let known = earlier.iter().find_map(|program| program.ready(id));
+        if let Some(own) = known.filter(|own| own.serves(origin, self.keyed(&inputs))) {
+            return Ok(Step { inputs, own: own.clone() });
         }
+        let sources = self.sources_of(&inputs);
         let requests = node.files();
         let nothing_asked = requests.is_empty();
         let found = self.sources.find(&requests).map_err(wrong)?;
@@ -188,7 +322,7 @@ impl Program {
         let key =
             self.key((kind, &*node, &parameters), sources.as_deref(), requests, &found).map_err(wrong)?;
         let (reach, files) = (node.reach(), found.into_iter().flatten().collect::<Vec<_>>());
-        let reading = OnceLock::new();
+        let (reading, first) = (OnceLock::new(), OnceLock::new());
         // What is wrong with a header shows before anybody goes through the content to know it, and so does a file that is
         // not chosen yet.
         let none = nothing_asked && kind.names_files();
@@ -197,7 +331,8 @@ impl Program {
         }
         let quantities = self.quantities(kind, &*node, &inputs);
         let (origin, kind) = (origin.clone(), kind.clone());
-        let own = Arc::new(Ready { origin, sources, kind, node, reach, files, quantities, key, reading });
+        let own =
+            Arc::new(Ready { origin, sources, kind, node, reach, files, quantities, key, reading, first });
         Ok(Step { inputs, own })
     }
 
@@ -209,17 +344,22 @@ impl Program {
         kind.outputs.iter().map(|p| kind.quantity(Some(node), &p.name, &read)).collect()
     }
 
-    /// What inputs read, by key; none while the content of a file above is not known.
-    fn sources_of(&self, inputs: &[Input]) -> Option<Vec<(Name, Key, Name)>> {
+    /// What inputs read, by key.
+    fn keyed<'a>(&'a self, inputs: &'a [Input]) -> impl Iterator<Item = Keyed<'a>> {
         let key = |input: &Input| self.steps[input.step].as_ref().ok()?.key;
-        inputs.iter().map(|input| Some((input.port.clone(), key(input)?, input.from.clone()))).collect()
+        inputs.iter().map(move |input| (&input.port, key(input), &input.from))
+    }
+
+    /// What inputs read, by key; none while the content of a file above is not known.
+    fn sources_of(&self, inputs: &[Input]) -> Option<Vec<KeyedInput>> {
+        self.keyed(inputs).map(|(port, key, from)| Some((port.clone(), key?, from.clone()))).collect()
     }
 
     /// The key of a node; none while the content of a file is not known.
     fn key(
         &self,
         (kind, node, parameters): (&Kind, &dyn AnyNode, &[u8; 32]),
-        sources: Option<&[(Name, Key, Name)]>,
+        sources: Option<&[KeyedInput]>,
         requests: Vec<FileRequest>,
         found: &[Option<Arc<SourceFile>>],
     ) -> Result<Option<Key>, Error> {
@@ -240,34 +380,29 @@ impl Program {
         &self,
         graph: &Graph,
         id: NodeId,
+        inlets: &[Inlet],
         kind: &Kind,
         node: &dyn AnyNode,
     ) -> Result<Vec<Input>, InputFault> {
-        let mut inputs = Vec::new();
-        for port in kind.inputs.iter().filter(|p| kind.uses(node, &p.name)) {
-            let Some(source) = graph.source(id, &port.name) else {
-                if graph.node(id).unresolved().any(|(p, _)| port.name == p) {
-                    return Err(InputFault::Upstream(Arc::new(Failure::Graph(loose_wire(
-                        graph, id, &port.name,
-                    )))));
-                }
+        let mut inputs = Vec::with_capacity(inlets.len());
+        for (i, port) in kind.inputs.iter().enumerate().filter(|(_, p)| kind.uses(node, &p.name)) {
+            let missing = || InputFault::Here(Error::Missing { port: port.name.clone() });
+            let inlet = inlets.iter().find(|inlet| inlet.port == i);
+            if inlet.is_none() && graph.node(id).unresolved().any(|(p, _)| port.name == p) {
+                let failure = Failure::Graph(loose_wire(graph, id, &port.name));
+                return Err(InputFault::Upstream(Arc::new(failure)));
+            }
+            let Some(source) = inlet.and_then(|inlet| inlet.source.as_ref()) else {
                 if port.required {
-                    return Err(InputFault::Here(Error::Missing { port: port.name.clone() }));
+                    return Err(missing());
                 }
                 continue;
             };
-            let Some(source) = graph.passed(source) else {
-                if port.required {
-                    return Err(InputFault::Here(Error::Missing { port: port.name.clone() }));
-                }
-                continue;
-            };
-            let step = self.index.get(&source.node).copied();
-            let step = step.ok_or(InputFault::Here(Error::Missing { port: port.name.clone() }))?;
+            let step = self.find(source.node).ok_or_else(missing)?;
             match &self.steps[step] {
                 Ok(read) => {
-                    let read = Outputs::one(&read.kind, &source.port);
-                    inputs.push(Input { port: port.name.clone(), step, from: source.port, read });
+                    let (port, from) = (port.name.clone(), source.port.clone());
+                    inputs.push(Input { read: Outputs::one(&read.kind, &from), port, step, from });
                 }
                 Err(shared) => return Err(InputFault::Upstream(shared.clone())),
             }
@@ -291,42 +426,4 @@ fn loose_wire(graph: &Graph, id: NodeId, port: &str) -> String {
 enum InputFault {
     Here(Error),
     Upstream(SharedFailure),
-}
-
-/// The nodes upstream of some nodes, sources first, and those of them that stand on a cycle.
-fn upstream(graph: &Graph, wanted: &[NodeId]) -> (Vec<NodeId>, BTreeSet<NodeId>) {
-    let (mut order, mut cyclic) = (Vec::new(), BTreeSet::new());
-    let (mut entered, mut left) = (BTreeSet::new(), BTreeSet::new());
-    // An explicit stack: a chain of ten thousand nodes is a fair graph.
-    let mut stack: Vec<(NodeId, Vec<NodeId>)> = Vec::new();
-    for &root in wanted {
-        if entered.insert(root) {
-            stack.push((root, sources(graph, root)));
-        }
-        while let Some((id, pending)) = stack.last_mut() {
-            let id = *id;
-            match pending.pop() {
-                Some(next) if entered.insert(next) => stack.push((next, sources(graph, next))),
-                Some(next) if !left.contains(&next) => {
-                    let start = stack.iter().position(|(n, _)| *n == next).unwrap_or(0);
-                    cyclic.extend(stack[start..].iter().map(|(n, _)| *n));
-                }
-                Some(_) => (),
-                None => {
-                    left.insert(id);
-                    order.push(id);
-                    stack.pop();
-                }
-            }
-        }
-    }
-    (order, cyclic)
-}
-
-fn sources(graph: &Graph, id: NodeId) -> Vec<NodeId> {
-    let Some(kind) = graph.node(id).kind() else { return Vec::new() };
-    let source = |port: &str| Some(graph.passed(graph.source(id, port)?)?.node);
-    let mut nodes: Vec<_> = kind.inputs.iter().filter_map(|p| source(&p.name)).collect();
-    nodes.reverse();
-    nodes
 }

@@ -6,6 +6,7 @@ use super::path::{self, Spot};
 use super::problem::{Hints, Place, Problem, listed};
 use super::{Graph, GraphNode, KindRef, NodeId, json, terrain_params};
 use crate::params::Param;
+use crate::params::packed::View;
 
 /// The owner of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +38,7 @@ impl Graph {
         }
         let spot = self.spot(bind, &Hints::new()).map_err(bad)?;
         spot.shape.check(&value).map_err(bad)?;
-        if self.written_at(bind).is_some_and(|written| json::same(written, &value)) {
+        if self.written_at(bind).is_some_and(|written| written.equals(&value, json::same)) {
             return Ok(());
         }
         self.put_at(bind, value);
@@ -65,9 +66,9 @@ impl Graph {
             return Ok(());
         }
         match bind.owner {
-            Owner::Terrain => self.settings.shift_remove(top),
-            Owner::Node(id) => self.dag[id].set.shift_remove(top),
-        };
+            Owner::Terrain => _ = self.settings.shift_remove(top),
+            Owner::Node(id) => self.dag[id].set.remove(top),
+        }
         self.settle();
         Ok(())
     }
@@ -134,7 +135,7 @@ impl Graph {
             ));
         };
         let top = Bind { owner: bind.owner, path: vec![name.to_owned()] };
-        let value = self.written_at(&top).unwrap_or(&param.default);
+        let value = self.written_at(&top).unwrap_or(View::Json(&param.default));
         let rest: Vec<&str> = rest.iter().map(String::as_str).collect();
         path::walk(param, value, &rest, hints)
     }
@@ -148,33 +149,37 @@ impl Graph {
     }
 
     /// The value that is written at a bind; `None` where the default applies.
-    pub(super) fn written_at(&self, bind: &Bind) -> Option<&Json> {
-        let set = match bind.owner {
-            Owner::Terrain => &self.settings,
-            Owner::Node(id) => &self.node(id).set,
-        };
+    pub(super) fn written_at(&self, bind: &Bind) -> Option<View<'_>> {
         let (first, rest) = bind.path.split_first()?;
+        let top = match bind.owner {
+            Owner::Terrain => self.settings.get(first).map(View::Json),
+            Owner::Node(id) => self.node(id).set.view(first),
+        };
         let rest: Vec<&str> = rest.iter().map(String::as_str).collect();
-        path::get(set.get(first)?, &rest)
+        path::get(top?, &rest)
     }
 
     /// Writes a value at a bind that resolves. Where the value is there already nothing changes, so that the parsed
     /// parameters of the node stay valid.
     pub(super) fn put_at(&mut self, bind: &Bind, value: Json) {
-        if self.written_at(bind) == Some(&value) {
+        if self.written_at(bind).is_some_and(|written| written.equals(&value, |a, b| a == b)) {
             return;
         }
         let Some((first, rest)) = bind.path.split_first() else { return };
-        let (set, params) = match bind.owner {
-            Owner::Terrain => (&mut self.settings, terrain_params()),
+        let rest: Vec<&str> = rest.iter().map(String::as_str).collect();
+        let default = |params: &[Param]| {
+            params.iter().find(|p| p.name == *first).map_or(Json::Null, |p| p.default.clone())
+        };
+        match bind.owner {
+            Owner::Terrain => {
+                let top = self.settings.entry(first.as_str()).or_insert_with(|| default(terrain_params()));
+                path::put(top, &rest, value);
+            }
             Owner::Node(id) => {
                 let GraphNode { kind: KindRef::Known(kind), set, .. } = &mut self.dag[id] else { return };
-                (&mut **set, kind.params())
+                path::put_packed(set.entry(first, || default(kind.params())), &rest, value);
             }
-        };
-        let default = || params.iter().find(|p| p.name == *first).map_or(Json::Null, |p| p.default.clone());
-        let rest: Vec<&str> = rest.iter().map(String::as_str).collect();
-        path::put(set.entry(first.as_str()).or_insert_with(default), &rest, value);
+        }
     }
 
     /// The name under which a parameter, one that contains it or one inside it is exposed.

@@ -393,7 +393,7 @@ impl Graph {
 
     /// A seed that no node has. It depends on the name of the node and is the same in every run of the program.
     fn fresh_seed(&self, name: &str) -> u32 {
-        let seed = |id: NodeId| self.node(id).set.get("seed").and_then(Json::as_u64);
+        let seed = |id: NodeId| self.node(id).set.view("seed").and_then(|seed| seed.json().as_u64());
         let taken: HashSet<u64> = self.nodes().filter_map(seed).collect();
         let start = name.bytes().fold(0, |h, b| hash::mix(h ^ u64::from(b)));
         // Six digits are short in the file, and give far more seeds than a graph has nodes.

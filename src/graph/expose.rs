@@ -359,7 +359,7 @@ fn first(faults: Vec<Problem>) -> Problem {
 }
 
 fn spot_param(spot: &Spot<'_>) -> Param {
-    let mut default = spot.value.clone();
+    let mut default = spot.value.json();
     json::tidy(&mut default);
     Param { shape: spot.shape.clone(), default, ..spot.param.clone() }
 }

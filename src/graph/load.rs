@@ -268,8 +268,10 @@ impl Graph {
         for id in self.sequence.clone() {
             let node = &mut self.dag[id];
             if let Some(steps) = node.kind().and_then(|_| steps(&node.kind)) {
-                migrate::parameters(&mut node.set, steps);
-                node.set.values_mut().for_each(json::tidy);
+                node.set.edit(|set| {
+                    migrate::parameters(set, steps);
+                    set.values_mut().for_each(json::tidy);
+                });
             }
         }
     }
@@ -320,8 +322,8 @@ impl Graph {
                 continue;
             }
             for bind in &bound.binds {
-                if let Some(written) = self.written_at(bind).filter(|w| !json::same(w, &value)) {
-                    let (written, used) = (brief(written), brief(&value));
+                if let Some(written) = self.written_at(bind).filter(|w| !w.equals(&value, json::same)) {
+                    let (written, used) = (brief(&written.json()), brief(&value));
                     let message =
                         format!("is written as {written}, but exposed as `{name}` with {used}, which counts");
                     let note = Problem::warning(self.place_of(bind), message);

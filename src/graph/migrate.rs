@@ -62,7 +62,7 @@ pub(super) fn follow(
         let (only, None) = (fresh.next()?, fresh.next()) else { return None };
         only.clone()
     };
-    let found = get(probe.get(&name)?, &rest)?.clone();
+    let found = get(probe.get(&name)?.into(), &rest)?.json();
     let path = std::iter::once(name).chain(rest.iter().map(|&s| s.to_owned())).collect();
     Some((path, found))
 }

@@ -33,12 +33,14 @@ mod written;
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde_json::{Map, Value as Json};
 
 pub use canvas::{Bends, Note, NoteColor};
 use dag::Dag;
 pub use dag::NodeId;
+pub(crate) use dag::NodeMap;
 pub use fragment::Grafted;
 pub use json::read as strict_json;
 pub use load::{LoadError, MAX_FILE, MAX_NAMED, MAX_NODES};
@@ -80,6 +82,19 @@ pub struct Graph {
     /// The file as it was read, while nothing has changed.
     original: Option<Arc<[u8]>>,
     edits: u64,
+    revision: Revision,
+}
+
+/// The number of a revision of a graph. Copies of a graph have the same number until one of them changes, and a change
+/// gives a number that no other graph of the process has, so that equal numbers mean equal graphs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Revision(u64);
+
+impl Revision {
+    fn fresh() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
 }
 
 impl Default for Graph {
@@ -113,6 +128,7 @@ impl Graph {
             blocking_problems: Vec::new(),
             original: None,
             edits: 0,
+            revision: Revision::fresh(),
         }
     }
 
@@ -206,10 +222,16 @@ impl Graph {
         self.edits
     }
 
+    /// The revision of the graph, by which copies that are equal are known without a look at their nodes.
+    pub(crate) fn revision(&self) -> Revision {
+        self.revision
+    }
+
     /// Records that an edit changed something.
     fn touch(&mut self) {
         self.original = None;
         self.edits += 1;
+        self.revision = Revision::fresh();
         self.load_warnings.clear();
     }
 }

@@ -5,6 +5,7 @@ use std::collections::{BTreeSet, BinaryHeap, HashMap};
 
 use petgraph::Direction::{self, Incoming, Outgoing};
 
+use super::dag::NodeMap;
 use super::{Graph, NodeId, Place, Problem};
 
 impl Graph {
@@ -54,7 +55,7 @@ impl Graph {
 
     /// Sorts nodes that are given in the order of the file. The second list has those on a cycle or downstream of one.
     pub(super) fn sorted_as_far(&self, nodes: Vec<NodeId>) -> (Vec<NodeId>, Vec<NodeId>) {
-        let place: HashMap<NodeId, usize> = nodes.iter().enumerate().map(|(i, &id)| (id, i)).collect();
+        let place: NodeMap<usize> = nodes.iter().enumerate().map(|(i, &id)| (id, i)).collect();
         let sources =
             |&id: &NodeId| self.dag.neighbors(id, Incoming).filter(|s| place.contains_key(s)).count();
         let mut waits: Vec<usize> = nodes.iter().map(sources).collect();

@@ -15,6 +15,7 @@ use super::problem::{Hints, Severity, listed};
 use super::set::Settings;
 use crate::files::{Format, Target};
 use crate::node::{self, AnyNode, Kind};
+use crate::params::packed::View;
 use crate::params::{self, Param};
 use crate::value::{Quantity, WireType};
 
@@ -117,11 +118,13 @@ impl GraphNode {
     /// know.
     pub(super) fn changed(&self) -> Map<String, Json> {
         let params = self.kind().map_or(&[][..], |kind| kind.params());
-        let differs = |p: &&Param| self.set.get(&p.name).is_some_and(|v| !super::json::same(v, &p.default));
-        let known = params.iter().filter(differs).map(|p| (p.name.clone(), self.set[&p.name].clone()));
+        let same = |value: View<'_>, p: &Param| value.equals(&p.default, super::json::same);
+        let known = params.iter().filter_map(|p| Some((p, self.set.view(&p.name)?)));
+        let known =
+            known.filter(|(p, value)| !same(*value, p)).map(|(p, value)| (p.name.clone(), value.json()));
         let is_param = |name: &str| params.iter().any(|p| p.name == name);
-        let rest = self.set.iter().filter(|(name, _)| !is_param(name));
-        known.chain(rest.map(|(k, v)| (k.clone(), v.clone()))).collect()
+        let rest = self.set.record().iter().filter(|(name, _)| !is_param(name));
+        known.chain(rest.map(|(name, value)| (name.to_owned(), value.json()))).collect()
     }
 }
 

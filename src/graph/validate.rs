@@ -104,12 +104,15 @@ impl Graph {
 
     fn node_problems(&self, id: NodeId, hints: &Hints) -> Vec<Problem> {
         let node = self.node(id);
-        let place = Place::Node(node.name.clone());
+        let place = || Place::Node(node.name.clone());
         let mut found = Vec::new();
-        found.extend(node_name_fault(&node.name).map(|fault| Problem::error(place.clone(), fault)));
-        found.extend(placed(faults(NodeKeys::keys(), &["in", "set", "kind"], &node.extra, hints), &place));
+        found.extend(node_name_fault(&node.name).map(|fault| Problem::error(place(), fault)));
+        let keys = faults(NodeKeys::keys(), &["in", "set", "kind"], &node.extra, hints);
+        if !keys.is_empty() {
+            found.extend(placed(keys, &place()));
+        }
         match &node.kind {
-            KindRef::Unknown(kind) => found.push(Problem::error(place, self.unknown_kind(kind, hints))),
+            KindRef::Unknown(kind) => found.push(Problem::error(place(), self.unknown_kind(kind, hints))),
             KindRef::Known(kind) => {
                 found.extend(parameter_problems(node, kind, hints));
                 found.extend(self.input_problems(id, kind, hints));
@@ -134,8 +137,7 @@ impl Graph {
     fn input_problems(&self, id: NodeId, kind: &Kind, hints: &Hints) -> Vec<Problem> {
         let node = self.node(id);
         let place = |port: &str| Place::Input { node: node.name.clone(), port: port.to_owned() };
-        let parsed = node.parse().ok();
-        let uses = |port: &str| parsed.as_ref().is_none_or(|n| kind.uses(&**n, port));
+        let uses = |port: &str| node.parse().ok().is_none_or(|n| kind.uses(&*n, port));
         let mut found = Vec::new();
         for port in kind.inputs.iter() {
             if let Some(written) = node.loose.get(port.name.as_str()) {

@@ -12,6 +12,7 @@ use super::{
     SourceFile, Summary,
 };
 use crate::name::Name;
+use crate::params::packed::{self, Record};
 use crate::params::{self, Param};
 use crate::ports::{self, Meaning, Port, Ports, Wires};
 use crate::source;
@@ -92,6 +93,10 @@ pub trait AnyNode: Debug + Send + Sync {
     fn run(&self, cx: &Context<'_>, wires: Wires) -> Result<Wires>;
     /// The parameters in canonical form: all of them, in declaration order, −0 as 0.
     fn canonical(&self) -> Json;
+    /// The hash of the canonical form.
+    fn digest(&self) -> [u8; 32] {
+        digest::of(&self.canonical())
+    }
 }
 
 impl<N: Node> AnyNode for N {
@@ -143,10 +148,13 @@ impl<N: Node> AnyNode for N {
         params::drop_negative_zero(&mut json);
         json
     }
+    fn digest(&self) -> [u8; 32] {
+        digest::of_node(self).unwrap_or_else(|_| digest::of(&self.canonical()))
+    }
 }
 
 /// Makes a node of its parameters, an object that may leave out what has its default.
-type Parser = Box<dyn Fn(&Map<String, Json>) -> Result<Arc<dyn AnyNode>> + Send + Sync>;
+type Parser = Box<dyn Fn(&Record) -> Result<Arc<dyn AnyNode>> + Send + Sync>;
 /// Makes a JSON document, when it is first asked for: most programs ask for few kinds.
 type Document = Box<dyn Fn() -> Json + Send + Sync>;
 
@@ -181,6 +189,8 @@ pub struct Kind {
     defaults: Document,
     parse: Parser,
     params: OnceLock<Vec<Param>>,
+    /// The names of the parameters that name files.
+    files: OnceLock<Vec<String>>,
     /// Whether the last input is a mask that the engine alone reads.
     has_engine_mask: bool,
 }
@@ -188,13 +198,13 @@ pub struct Kind {
 impl Kind {
     /// The kind of a struct of this program.
     pub fn of<N: Node>(family: &'static str, id: &'static str) -> Self {
-        let parse = |set: &Map<String, Json>| -> Result<Arc<dyn AnyNode>> {
+        let parse = |set: &Record| -> Result<Arc<dyn AnyNode>> {
             let node = N::deserialize(set).map_err(|e| unreadable(&e))?;
             Ok(Arc::new(node))
         };
         let schema = || schemars::schema_for!(N).to_value();
         let defaults = || serde_json::to_value(N::default()).unwrap_or(Json::Null);
-        let kind = Self::new(Name::new_static(family), Name::new_static(id), parse);
+        let kind = Self::bare(Name::new_static(family), Name::new_static(id), Box::new(parse));
         let kind = Self { schema: Box::new(schema), defaults: Box::new(defaults), ..kind };
         kind.declared(N::META, N::In::PORTS, N::Out::PORTS)
     }
@@ -229,7 +239,7 @@ impl Kind {
         id: impl Into<Name>,
         parse: impl Fn(&Map<String, Json>) -> Result<Arc<dyn AnyNode>> + Send + Sync + 'static,
     ) -> Self {
-        Self::bare(family.into(), id.into(), Box::new(parse))
+        Self::bare(family.into(), id.into(), Box::new(move |set: &Record| parse(&set.json())))
     }
 
     fn bare(family: Name, id: Name, parse: Parser) -> Self {
@@ -250,6 +260,7 @@ impl Kind {
             defaults: Box::new(|| json!({})),
             parse,
             params: OnceLock::new(),
+            files: OnceLock::new(),
             has_engine_mask: false,
         }
     }
@@ -262,6 +273,7 @@ impl Kind {
             schema: Box::new(move || schema.clone()),
             defaults: Box::new(move || defaults.clone()),
             params: OnceLock::new(),
+            files: OnceLock::new(),
             ..self
         }
     }
@@ -355,7 +367,12 @@ impl Kind {
     /// # Errors
     /// Names the parameter, what was found and what was expected; the nearest name where one is unknown.
     pub fn parse(&self, set: &Map<String, Json>) -> Result<Arc<dyn AnyNode>> {
-        params::check_all(self.params(), set)?;
+        self.parse_packed(&set.clone().into())
+    }
+
+    /// Parses parameters whose lists of numbers are packed.
+    pub(crate) fn parse_packed(&self, set: &Record) -> Result<Arc<dyn AnyNode>> {
+        packed::check(self.params(), set)?;
         let parsed = (self.parse)(set)?;
         parsed.check()?;
         Ok(parsed)
@@ -363,20 +380,24 @@ impl Kind {
 
     /// Whether it has a parameter that names a file.
     pub fn names_files(&self) -> bool {
-        self.files().next().is_some()
+        !self.files().is_empty()
     }
 
-    fn files(&self) -> impl Iterator<Item = &Param> {
-        self.params().iter().filter(|p| p.widget == Some(Widget::File))
+    fn files(&self) -> &[String] {
+        let named = |p: &Param| (p.widget == Some(Widget::File)).then(|| p.name.clone());
+        self.files.get_or_init(|| self.params().iter().filter_map(named).collect())
     }
 
     /// A hash of a node's parameters in canonical form, for keys. Names of files are not in it: a file counts by its
     /// content and the last part of its name, which keys hold beside it.
     pub fn digest(&self, node: &dyn AnyNode) -> [u8; 32] {
+        if !self.names_files() {
+            return node.digest();
+        }
         let mut json = node.canonical();
         if let Some(object) = json.as_object_mut() {
-            self.files().for_each(|p| {
-                object.remove(&p.name);
+            self.files().iter().for_each(|name| {
+                object.remove(name);
             });
         }
         digest::of(&json)

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where something fails")]
 
 mod canvas;
+mod drawn;
 mod edits;
 mod exposed;
 mod files;

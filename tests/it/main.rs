@@ -9,6 +9,7 @@ mod chance;
 mod cli;
 mod curves;
 mod diffusion;
+mod digests;
 mod engine;
 mod farm;
 mod files;

@@ -208,9 +208,15 @@ impl Drawing {
 
     /// Writes a drawing to the document; returns whether the change was accepted.
     fn write(&self, cx: &mut DrawingContext<'_>, label: &str, gesture: Option<&str>, sheet: &Sheet) -> bool {
-        let Some(Parsed { node, param, .. }) = &self.parsed else { return false };
-        let (node, value) = (*node, sheet.json());
-        let change = |graph: &mut crate::graph::Graph| ops::set(graph, &[node], param, value);
+        let Some(Parsed { node, param, state, sheet: before, .. }) = &self.parsed else { return false };
+        let node = *node;
+        let is_exposed = ops::exposed_as(cx.document.graph(), node, param).is_some();
+        let (path, value) = if is_exposed || *state != cx.document.state() {
+            (param.clone(), sheet.json())
+        } else {
+            sheet.change(before, param)
+        };
+        let change = |graph: &mut crate::graph::Graph| ops::set(graph, &[node], &path, value);
         let done = match gesture {
             Some(gesture) => cx.document.gesture(label, gesture, change),
             None => cx.document.edit(label, change),

@@ -1,11 +1,14 @@
 //! The drawn parameter of a node: curves, straight lines, a line through points, or strokes of a brush. The widget in the
 //! schema of the kind says which, so that new kinds can be drawn on without changes here.
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, GraphNode, NodeId};
 use crate::kit::paint::Stroke;
 use crate::nodes::curves::short::{self, Grain, Ground};
+use crate::params::Param;
 use crate::units::{Metres, Ratio};
 use crate::value::{Curve, CurveSpec};
 use crate::widget::Widget;
@@ -27,20 +30,17 @@ impl Sheet {
     /// The drawing of a node, and the name of its parameter; `None` where the kind has none or the value is malformed.
     pub(crate) fn of(graph: &Graph, id: NodeId) -> Option<(String, Self)> {
         let node = graph.get(id)?;
-        let drawn = |p: &&crate::params::Param| {
+        let drawn = |p: &&Param| {
             matches!(p.widget, Some(Widget::Curves | Widget::CurveOnMap | Widget::Lines | Widget::Strokes))
         };
         let param = node.kind()?.params().iter().find(drawn)?;
-        let value = node.set.get(&param.name).unwrap_or(&param.default).clone();
         let sheet = match param.widget {
-            Some(Widget::Curves) => Self::Curves(serde_json::from_value(value).ok()?),
-            Some(Widget::Strokes) => Self::Strokes(serde_json::from_value(value).ok()?),
+            Some(Widget::Curves) => Self::Curves(read(node, param)?),
+            Some(Widget::Strokes) => Self::Strokes(read(node, param)?),
             // Of a kind that has lines of its own where none are set, none are there to be changed.
-            Some(Widget::Lines) => {
-                Self::Lines(if value.is_null() { Vec::new() } else { serde_json::from_value(value).ok()? })
-            }
+            Some(Widget::Lines) => Self::Lines(read::<Option<_>>(node, param)?.unwrap_or_default()),
             _ => {
-                let points: Vec<Vec<f64>> = serde_json::from_value(value).ok()?;
+                let points: Vec<Vec<f64>> = read(node, param)?;
                 // A file written by hand may hold points with one number.
                 Self::Trail(points.iter().all(|p| p.len() > 1).then_some(points)?)
             }
@@ -59,6 +59,22 @@ impl Sheet {
         let mut value = value.unwrap_or_default();
         tidy(&mut value);
         value
+    }
+
+    /// What has to be set to make it of an earlier drawing: the parameter, or where one item has changed, as when a hand
+    /// moves it, this item by its path; and its value.
+    pub(crate) fn change(&self, before: &Self, param: &str) -> (String, Json) {
+        let item = match (self, before) {
+            (Self::Curves(now), Self::Curves(before)) => changed(now, before),
+            (Self::Lines(now), Self::Lines(before)) => changed(now, before),
+            (Self::Trail(now), Self::Trail(before)) => changed(now, before),
+            (Self::Strokes(now), Self::Strokes(before)) => changed(now, before),
+            _ => None,
+        };
+        match item {
+            Some((i, item)) => (format!("{param}.{i}"), item),
+            None => (param.to_owned(), self.json()),
+        }
     }
 
     /// Number of curves.
@@ -114,6 +130,23 @@ impl Sheet {
     }
 }
 
+/// The parameter of a node, or its default; `None` where it is malformed.
+fn read<T: DeserializeOwned>(node: &GraphNode, param: &Param) -> Option<T> {
+    node.set.read(&param.name).unwrap_or_else(|| serde_json::from_value(param.default.clone())).ok()
+}
+
+/// The index and the value of the only item that differs between two lists of one length.
+fn changed<T: PartialEq + Serialize>(now: &[T], before: &[T]) -> Option<(usize, Json)> {
+    let mut different = now.iter().zip(before).enumerate().filter(|(_, (now, before))| now != before);
+    let (i, (item, _)) = different.next()?;
+    if now.len() != before.len() || different.next().is_some() {
+        return None;
+    }
+    let mut value = serde_json::to_value(item).ok()?;
+    tidy(&mut value);
+    Some((i, value))
+}
+
 /// The curve that kinds with a line through points make of it.
 fn trail(points: &[Vec<f64>]) -> Option<Curve> {
     let places: Vec<_> = points.iter().map(|p| Some([*p.first()?, *p.get(1)?])).collect::<Option<_>>()?;
@@ -135,5 +168,31 @@ pub(crate) fn tidy(json: &mut Json) {
         Json::Array(items) => items.iter_mut().for_each(tidy),
         Json::Object(map) => map.values_mut().for_each(tidy),
         _ => (),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn strokes(ends: &[f64]) -> Sheet {
+        let stroke = |end: &f64| Stroke { path: vec![0.0, 0.5, *end, 2.0], ..Stroke::default() };
+        Sheet::Strokes(ends.iter().map(stroke).collect())
+    }
+
+    #[test]
+    fn a_drawing_of_which_one_item_moved_is_changed_in_that_item() {
+        let before = strokes(&[1.0, 2.0, 3.0]);
+        let (path, value) = strokes(&[1.0, 5.0, 3.0]).change(&before, "strokes");
+        assert_eq!((path.as_str(), &value["path"]), ("strokes.1", &json!([0, 0.5, 5, 2])));
+        for other in
+            [strokes(&[1.0, 2.0]), strokes(&[1.0, 2.0, 3.0, 4.0]), strokes(&[0.0, 2.0, 4.0]), before.clone()]
+        {
+            assert_eq!(other.change(&before, "strokes"), ("strokes".to_owned(), other.json()));
+        }
+        let lines = Sheet::Lines(vec![[0.0, 1.0, 2.0, 3.0]]);
+        assert_eq!(lines.change(&before, "lines").0, "lines", "another sheet");
     }
 }

@@ -285,7 +285,7 @@ fn path_of(graph: &Graph, ids: &[NodeId], param: &Param) -> String {
 
 /// The value of a parameter of a node.
 fn current(graph: &Graph, id: NodeId, param: &Param) -> Json {
-    graph.node(id).set.get(&param.name).cloned().unwrap_or_else(|| param.default.clone())
+    graph.node(id).set.value(&param.name).unwrap_or_else(|| param.default.clone())
 }
 
 /// The seed before the last throw of the dice.

@@ -1,4 +1,4 @@
-//! A node is parsed when its parameters change, and never for anything else.
+//! A node is parsed when its parameters change, and never for anything else; a graph is made a program once.
 
 use std::cell::Cell;
 use std::sync::LazyLock;
@@ -13,6 +13,8 @@ use serde_json::json;
 thread_local! {
     /// How often a node was parsed on this thread.
     static PARSED: Cell<usize> = const { Cell::new(0) };
+    /// How often a program asked on this thread whether a node uses its input.
+    static ASKED: Cell<usize> = const { Cell::new(0) };
 }
 
 ports! {
@@ -26,7 +28,7 @@ ports! {
     }
 }
 
-/// Counts how often it is parsed: every parsed node is checked once.
+/// Counts how often it is parsed, as every parsed node is checked once, and how often it is made a step of a program.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 struct Counted {
@@ -46,6 +48,11 @@ impl Node for Counted {
     fn check(&self) -> Result<()> {
         PARSED.set(PARSED.get() + 1);
         Ok(())
+    }
+
+    fn uses(&self, _: &str) -> bool {
+        ASKED.set(ASKED.get() + 1);
+        true
     }
 
     fn run(&self, cx: &Context<'_>, In { field }: In) -> Result<Out> {
@@ -112,6 +119,68 @@ fn a_movement_of_a_hand_parses_one_node() {
         look(&graph);
     });
     assert_eq!(renamed, 0, "names and places are no parameters");
+}
+
+fn asked(work: impl FnOnce()) -> usize {
+    let before = ASKED.get();
+    work();
+    ASKED.get() - before
+}
+
+#[test]
+fn a_movement_of_a_hand_makes_one_program() {
+    let (mut graph, end) = chain(100);
+    let all: Vec<_> = graph.nodes().collect();
+    let engine = Engine::new(&Options { threads: 1, ..Options::default() }, Files::default()).unwrap();
+    let want = Want { node: end, port: "field".into(), grid: graph.terrain().grid(65).unwrap() };
+    let look = |graph: &Graph| {
+        assert_eq!(engine.keys(graph, &all, 0, &Unobserved, &Cancel::default()).unwrap().len(), 100);
+        let planned = engine.plan(graph, std::slice::from_ref(&want)).tasks().len();
+        let ran = engine.evaluate(graph, std::slice::from_ref(&want), &Unobserved, &Cancel::default());
+        assert_eq!(ran.unwrap().tasks.len(), planned);
+        assert!(engine.key(graph, end).is_some());
+    };
+    assert_eq!(asked(|| look(&graph)), 100, "each node once, for keys, plan and evaluation");
+    assert_eq!(asked(|| look(&graph.clone())), 0, "a copy is the same graph");
+    graph.assign_json("n7.amount", &json!(3)).unwrap();
+    assert_eq!(asked(|| look(&graph)), 100, "a changed graph has a program of its own");
+    let other = chain(3).0;
+    let other_end: Vec<_> = other.nodes().collect();
+    assert_eq!(engine.keys(&other, &other_end, 0, &Unobserved, &Cancel::default()).unwrap().len(), 3);
+    assert_eq!(asked(|| look(&graph)), 0, "another graph in between takes nothing away");
+}
+
+#[test]
+fn a_part_of_a_program_is_planned_like_a_program_of_its_own() {
+    let nodes = json!({
+        "hills": { "kind": "fractal_noise", "set": { "seed": 3 } },
+        "soft": { "kind": "blur", "in": { "field": "hills.field" } },
+        "left": { "kind": "invert", "in": { "field": "soft.field" }, "bypass": true },
+        "both": { "kind": "combine", "in": { "a": "left.field", "b": "hills.field", "mask": "band.mask" } },
+        "band": { "kind": "select_height", "in": { "height": "soft.field" } },
+        "worn": { "kind": "thermal_erosion", "in": { "height": "both.field" } },
+        "loose": { "kind": "blur", "in": { "field": "nothing.field" } },
+        "aside": { "kind": "combine", "in": { "a": "worn.height", "b": "soft.field" } },
+    });
+    let outputs = json!({ "out": { "from": "worn.height" } });
+    let graph = json!({ "orograph": 1, "nodes": nodes, "outputs": outputs });
+    let graph = Graph::from_bytes(graph.to_string().as_bytes(), &registry()).unwrap();
+    let all: Vec<_> = graph.nodes().collect();
+    let engine = || Engine::new(&Options { threads: 1, ..Options::default() }, Files::default()).unwrap();
+    let first = engine();
+    first.keys(&graph, &all, 0, &Unobserved, &Cancel::default()).unwrap();
+    let grid = graph.terrain().grid(257).unwrap();
+    for node in &all {
+        let port = graph.node(*node).kind().unwrap().outputs[0].name.clone();
+        let want = [Want { node: *node, port, grid }];
+        let told = |engine: &Engine| {
+            let plan = engine.plan(&graph, &want);
+            let failures: Vec<_> = plan.failures().iter().flatten().map(ToString::to_string).collect();
+            let too_narrow = format!("{:?}", plan.too_narrow());
+            (format!("{:?}", plan.tasks()), failures, plan.peak_bytes(), plan.quantity(0), too_narrow)
+        };
+        assert_eq!(told(&first), told(&engine()), "{}", graph.node(*node).name);
+    }
 }
 
 #[test]
