@@ -33,13 +33,24 @@ pub struct Context<'a> {
     pub files: &'a [Arc<SourceFile>],
     /// Asked inside loops, told the finished share and what a person should know.
     pub work: Work<'a>,
+    /// Who may look at the state of a running node; nodes call [`show`](Self::show).
+    pub onlooker: Option<Onlooker<'a>>,
+}
+
+/// Who may look at the state of a running node.
+#[derive(Clone, Copy)]
+pub struct Onlooker<'a> {
+    /// Whether somebody looks at an output.
+    pub looks: &'a (dyn Fn(&str) -> bool + Sync),
+    /// Is given an output as it stands.
+    pub take: &'a (dyn Fn(&str, Value) + Sync),
 }
 
 impl<'a> Context<'a> {
     /// A context on a grid with nothing declared, for tests and benches of single nodes.
     pub fn bare(grid: Grid, world: &'a Terrain, cancel: &'a Cancel) -> Self {
         let reads = Reads::ALL;
-        Self { grid, reads, world, whole: None, views: &[], files: &[], work: Work::new(cancel) }
+        Self { grid, reads, world, whole: None, views: &[], files: &[], work: Work::new(cancel), onlooker: None }
     }
 
     /// Extent, sea level and base grid of the terrain.
@@ -144,6 +155,16 @@ impl<'a> Context<'a> {
     /// Reports the finished share of this context's work, 0 to 1.
     pub fn report(&self, done: f32) {
         self.work.report(done);
+    }
+
+    /// Shows how an output stands while the node works on it, on any grid of the terrain. The value is made only if somebody
+    /// looks; it is part of no result, no key and no cache.
+    pub fn show<T: Wire>(&self, port: &str, make: impl FnOnce() -> T) {
+        if let Some(onlooker) = self.onlooker.filter(|onlooker| (onlooker.looks)(port))
+            && let Some(value) = make().give()
+        {
+            (onlooker.take)(port, value);
+        }
     }
 
     /// Says what a person should know of the result, in a sentence without a full stop: what was left out, what may not be

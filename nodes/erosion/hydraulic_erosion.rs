@@ -222,7 +222,10 @@ impl Node for HydraulicErosion {
             base: Level::of(&cx.grid),
         };
         let settings = self.settings(cx.seed(self.seed)?);
-        let done = hydraulic::erode(&land, &settings, &mut |_| (), &cx.work.stage(0.0, 0.97))?;
+        let mut on_level = |picture: hydraulic::Picture<'_>| {
+            cx.show("height", || Field::new(picture.level.grid, quantity, picture.height.to_vec()));
+        };
+        let done = hydraulic::erode(&land, &settings, &mut on_level, &cx.work.stage(0.0, 0.97))?;
         let field = |quantity, data| Field::new(cx.grid, quantity, data);
         let moved = |(wear, deposit): (&f32, &f32)| f64::from(wear.max(deposit.abs()));
         let detail = done.wear.iter().zip(&done.deposit).map(moved);

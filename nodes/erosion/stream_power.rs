@@ -163,7 +163,10 @@ impl Node for StreamPower {
             sea: cx.terrain()?.sea_level,
             base: &base,
         };
-        let done = stream_power::erode(&land, &self.settings(cx)?, &mut |_| (), &cx.work.stage(0.0, 0.97))?;
+        let mut on_level = |picture: stream_power::Picture<'_>| {
+            cx.show("height", || Field::new(picture.level.grid, Quantity::Elevation, picture.height.to_vec()));
+        };
+        let done = stream_power::erode(&land, &self.settings(cx)?, &mut on_level, &cx.work.stage(0.0, 0.97))?;
         let field = |quantity, data| Field::new(cx.grid, quantity, data);
         let area = done.area.iter().map(|&a| a.min(f64::from(f32::MAX)) as f32).collect();
         let gone = |&wear: &f32| libm::exp(-f64::from(wear) / self.detail_height.0) as f32;

@@ -195,6 +195,11 @@ impl Board {
         self.detail = None;
     }
 
+    /// The draft of a scene, if that is shown.
+    pub(crate) fn draft_of(&self, scene: &Scenery) -> Option<&Shown> {
+        self.shown.as_ref().filter(|shown| shown.is_draft && self.scene.as_ref() == Some(scene))
+    }
+
     /// Adds a finer part of the shown value.
     pub(crate) fn show_detail(&mut self, detail: Shown) {
         self.news += 1;

@@ -5,6 +5,14 @@ use std::sync::{Mutex, PoisonError};
 use super::board::NodeState;
 use crate::engine::{Observer, Plan, PlannedTask};
 use crate::graph::{Graph, NodeId};
+use crate::value::Value;
+
+/// An output that is looked at while its node runs.
+pub(super) struct Watched<'a> {
+    pub(super) node: NodeId,
+    pub(super) port: &'a str,
+    pub(super) take: &'a (dyn Fn(Value) + Sync),
+}
 
 /// An observer that reports the state of each node. It serves one evaluation after the other.
 pub(super) struct NodeProgress<'a> {
@@ -12,16 +20,26 @@ pub(super) struct NodeProgress<'a> {
     tell: &'a (dyn Fn(NodeId, NodeState) + Sync),
     /// The node of each task; `None` for tasks whose results are cached.
     tasks: Mutex<Vec<Option<NodeId>>>,
+    watched: Option<Watched<'a>>,
 }
 
 impl<'a> NodeProgress<'a> {
     pub(super) fn new(graph: &'a Graph, tell: &'a (dyn Fn(NodeId, NodeState) + Sync)) -> Self {
-        Self { graph, tell, tasks: Mutex::default() }
+        Self { graph, tell, tasks: Mutex::default(), watched: None }
+    }
+
+    /// The same, which also watches an output while its node runs.
+    pub(super) fn watching(self, watched: Option<Watched<'a>>) -> Self {
+        Self { watched, ..self }
+    }
+
+    /// The node of a task.
+    fn node(&self, task: usize) -> Option<NodeId> {
+        self.tasks.lock().unwrap_or_else(PoisonError::into_inner).get(task).copied().flatten()
     }
 
     fn at(&self, task: usize, state: NodeState) {
-        let tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(node) = tasks.get(task).copied().flatten() {
+        if let Some(node) = self.node(task) {
             (self.tell)(node, state);
         }
     }
@@ -48,6 +66,17 @@ impl Observer for NodeProgress<'_> {
 
     fn progress(&self, task: usize, share: f32) {
         self.at(task, NodeState::Running(share));
+    }
+
+    fn looks(&self, task: usize, port: &str) -> bool {
+        let node = self.node(task);
+        self.watched.as_ref().is_some_and(|watched| Some(watched.node) == node && watched.port == port)
+    }
+
+    fn state(&self, _: usize, _: &str, value: Value) {
+        if let Some(watched) = &self.watched {
+            (watched.take)(value);
+        }
     }
 
     fn finished(&self, task: usize, seconds: f64) {

@@ -2,7 +2,7 @@
 
 use super::plan::{Plan, Stage};
 use crate::name::Name;
-use crate::value::Grid;
+use crate::value::{Grid, Value};
 
 /// Events of an evaluation; called from several threads.
 pub trait Observer: Sync {
@@ -21,6 +21,16 @@ pub trait Observer: Sync {
     /// Part of a task is done; `share` is the finished part, 0 to 1.
     fn progress(&self, task: usize, share: f32) {
         let _ = (task, share);
+    }
+    /// Whether somebody looks at the state of an output while its task runs.
+    fn looks(&self, task: usize, port: &str) -> bool {
+        let _ = (task, port);
+        false
+    }
+    /// An output as it stands while its task runs, on a grid of its own; asked for by [`looks`](Self::looks). It is part of no
+    /// result and is not kept.
+    fn state(&self, task: usize, port: &str, value: Value) {
+        let _ = (task, port, value);
     }
     /// A task is done or has failed.
     fn finished(&self, task: usize, seconds: f64) {

@@ -20,8 +20,10 @@ use super::observer::{Observer, TaskReport};
 use super::options::Keep;
 use super::plan::{Plan, Role, Task};
 use super::stage::{perform, views};
+use crate::context::Onlooker;
 use crate::node::{Cancel, Context, Error, Kind, Result};
 use crate::ports::Wires;
+use crate::value::Value;
 use crate::work::Work;
 
 /// The end of a task: its result, or the failure.
@@ -301,6 +303,8 @@ impl Runner<'_> {
         let warn = |message: String| {
             said.lock().unwrap_or_else(PoisonError::into_inner).insert(message);
         };
+        let looks = |port: &str| self.observer.looks(i, port);
+        let take = |port: &str, value: Value| self.observer.state(i, port, value);
         let cx = Context {
             grid: task.grid,
             reads: step.kind.reads,
@@ -309,6 +313,7 @@ impl Runner<'_> {
             views: &views,
             files: &step.files,
             work: Work::new(self.cancel).telling(&progress).warning(&warn),
+            onlooker: Some(Onlooker { looks: &looks, take: &take }),
         };
         let work = || perform(&cx, task, step, &needs);
         let given = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(panicked(&*panic)));

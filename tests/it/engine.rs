@@ -7,6 +7,7 @@ mod failures;
 mod files;
 mod masks;
 mod runs;
+mod states;
 mod windows;
 
 use orograph::engine::{Engine, Evaluation, Files, Options, Unobserved, Want};

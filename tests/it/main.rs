@@ -11,6 +11,7 @@ mod curves;
 mod diffusion;
 mod digests;
 mod engine;
+mod erosion;
 mod farm;
 mod files;
 mod filters;

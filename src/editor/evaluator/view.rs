@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::{Order, Shared, Stopped, UNASKED_BYTES, lock};
 use crate::context::Cancel;
-use crate::editor::board::{NodeState, Scenery, Shown, Unstarted, ViewContents};
+use crate::editor::board::{Board, NodeState, Scenery, Shown, Unstarted, ViewContents};
 use crate::editor::draft::{COARSER, draft_of, preview};
-use crate::editor::node_progress::NodeProgress;
+use crate::editor::node_progress::{NodeProgress, Watched};
 use crate::editor::shade::{self, Light};
 use crate::engine::{Engine, EngineError, Want};
 use crate::graph::{Graph, Source};
@@ -123,24 +123,14 @@ impl Shared {
         is_draft: bool,
         cancel: &Cancel,
     ) -> Result<Option<Evaluated>, Stopped> {
-        let Some(evaluated) = self.evaluate(engine, order, graph, &wants(scene, grid), scene, cancel)? else {
+        let frame = Frame { scene, graph, is_draft, cancel };
+        let state = |value: Value| self.show_state(&frame, value);
+        let watched = (!is_draft).then_some(Watched { node: scene.target.node, port: &scene.target.port, take: &state });
+        let wants = wants(scene, grid);
+        let Some(evaluated) = self.evaluate(engine, order, graph, &wants, scene, watched, cancel)? else {
             return Ok(None);
         };
-        let (terrain, bounds) = (graph.terrain(), graph.terrain().bounds());
-        let shown = |value: &Value, range| {
-            let drape = evaluated.drape.as_ref();
-            let picture = shade::picture(value, &scene.look, range, drape, terrain, cancel);
-            let picture = shade::tinted(picture.map_err(|_| Stopped)?, evaluated.tint.as_ref());
-            let (picture, effective_cell) = (Arc::new(picture), evaluated.effective_cell);
-            Ok(Shown {
-                id: Shown::next_id(),
-                value: value.clone(),
-                picture,
-                is_draft,
-                effective_cell,
-                bounds,
-            })
-        };
+        let shown = |value: &Value, range| frame.shown(value, range, Some(&evaluated));
         let main = shown(&evaluated.value, None)?;
         // Two values of one quantity are compared in colours of one range.
         let like = |v: &Value| v.quantity() == evaluated.value.quantity();
@@ -163,6 +153,20 @@ impl Shared {
         Ok(Some(evaluated))
     }
 
+    /// Shows the output of a node that still runs, unless the board shows a finer draft of it.
+    fn show_state(&self, frame: &Frame<'_>, value: Value) {
+        let columns = |value: &Value| value.grid().map_or(0, |grid| grid.cols);
+        let is_behind = |board: &Board| {
+            board.draft_of(frame.scene).is_none_or(|draft| columns(&draft.value) < columns(&value))
+        };
+        if !is_behind(&lock(&self.board)) {
+            return;
+        }
+        let Ok(shown) = (Frame { is_draft: true, ..*frame }).shown(&value, None, None) else { return };
+        self.tell(|board| board.show(frame.scene.clone(), shown, None, None));
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "one caller; a struct would only rename them")]
     fn evaluate(
         &self,
         engine: &Engine,
@@ -170,10 +174,11 @@ impl Shared {
         graph: &Graph,
         wants: &[Want],
         scene: &Scenery,
+        watched: Option<Watched<'_>>,
         cancel: &Cancel,
     ) -> Result<Option<Evaluated>, Stopped> {
         let tell = |node, state| self.tell(|board| board.set_node(node, state));
-        let progress = NodeProgress::new(graph, &tell);
+        let progress = NodeProgress::new(graph, &tell).watching(watched);
         let evaluation = match engine.evaluate(graph, wants, &progress, cancel) {
             Ok(evaluation) => evaluation,
             Err(EngineError::Cancelled) => return Err(Stopped),
@@ -258,6 +263,34 @@ impl Shared {
         let shown = Shown { id: Shown::next_id(), value, picture, is_draft: false, effective_cell, bounds };
         self.tell(|board| board.show_detail(shown));
         Ok(())
+    }
+}
+
+/// What a value is shown in.
+#[derive(Clone, Copy)]
+struct Frame<'a> {
+    scene: &'a Scenery,
+    graph: &'a Graph,
+    is_draft: bool,
+    cancel: &'a Cancel,
+}
+
+impl Frame<'_> {
+    /// A value with its picture, in colours of a range if there is one, under what was evaluated with it.
+    fn shown(
+        &self,
+        value: &Value,
+        range: Option<(f32, f32)>,
+        with: Option<&Evaluated>,
+    ) -> Result<Shown, Stopped> {
+        let terrain = self.graph.terrain();
+        let drape = with.and_then(|evaluated| evaluated.drape.as_ref());
+        let picture = shade::picture(value, &self.scene.look, range, drape, terrain, self.cancel);
+        let tint = with.and_then(|evaluated| evaluated.tint.as_ref());
+        let picture = Arc::new(shade::tinted(picture.map_err(|_| Stopped)?, tint));
+        let effective_cell = with.and_then(|evaluated| evaluated.effective_cell);
+        let (is_draft, bounds) = (self.is_draft, terrain.bounds());
+        Ok(Shown { id: Shown::next_id(), value: value.clone(), picture, is_draft, effective_cell, bounds })
     }
 }
 
