@@ -9,7 +9,7 @@ use orograph::ports::{Ports, Wires};
 use orograph::value::{Field, Grid, Terrain, Value};
 use serde_json::Value as Json;
 
-use super::sets::Set;
+use super::sets::{Set, brief};
 
 /// What lies on the wire of a port on a window; an input for which there is nothing is left open.
 pub(crate) type Source<'a> = &'a (dyn Fn(&str, &Grid) -> Option<Value> + Sync);
@@ -43,7 +43,7 @@ impl Bench {
         let own = |name: &&Name| kind.hands_over(name);
         let ports = kind.inputs.iter().map(|p| &p.name).filter(own).cloned().collect();
         let label = format!("{} {}", kind.id, Json::from(set.clone()));
-        Ok(Self { node: kind.parse(set)?, ports, label, reads: kind.reads })
+        Ok(Self { node: kind.parse(&brief(kind, set))?, ports, label, reads: kind.reads })
     }
 
     /// The node of a graph of the rig, with all that the graph sets of it.

@@ -12,7 +12,7 @@ use orograph::widget::Widget;
 use serde_json::{Map, json};
 
 use super::World;
-use super::sets::Set;
+use super::sets::{Set, brief};
 use crate::kinds::registry;
 
 /// A folder with a small height file, for the kinds that read one.
@@ -82,7 +82,7 @@ pub(crate) fn fed_on(world: World, kind: &Kind, set: &Set, mask: Option<&str>) -
 
 /// The parameters of a set, with a small file where the kind reads one, and with strokes where it draws some.
 fn given(kind: &Kind, set: &Set) -> Set {
-    let mut set = set.clone();
+    let mut set = brief(kind, set);
     let gives = |wire: WireType| kind.outputs.iter().any(|o| o.wire == wire);
     for p in kind.params().iter().filter(|p| p.widget == Some(Widget::File)) {
         let (curves, colors) = (gives(WireType::Object(Curves::TYPE)), gives(WireType::Colors));

@@ -12,6 +12,19 @@ pub(crate) type Set = Map<String, Json>;
 /// Where in the range of a number the rig looks beside its ends: about a third of the way, at no round number.
 const THIRD: f64 = 0.37;
 
+/// Longest time in hours that a node of the rig works through.
+const BRIEF: f64 = 0.03;
+
+/// A set with times in hours cut short: a day of rain takes the machine minutes, and two minutes of it show the laws as well.
+pub(crate) fn brief(kind: &Kind, set: &Set) -> Set {
+    let mut set = set.clone();
+    for p in kind.params().iter().filter(|p| p.unit.as_deref() == Some("h")) {
+        let hours = set.get(&p.name).and_then(Json::as_f64).unwrap_or(BRIEF);
+        set.insert(p.name.clone(), json!(hours.min(BRIEF)));
+    }
+    set
+}
+
 /// The defaults alone.
 pub(crate) fn defaults() -> Set {
     Set::new()
