@@ -50,7 +50,16 @@ impl<'a> Context<'a> {
     /// A context on a grid with nothing declared, for tests and benches of single nodes.
     pub fn bare(grid: Grid, world: &'a Terrain, cancel: &'a Cancel) -> Self {
         let reads = Reads::ALL;
-        Self { grid, reads, world, whole: None, views: &[], files: &[], work: Work::new(cancel), onlooker: None }
+        Self {
+            grid,
+            reads,
+            world,
+            whole: None,
+            views: &[],
+            files: &[],
+            work: Work::new(cancel),
+            onlooker: None,
+        }
     }
 
     /// Extent, sea level and base grid of the terrain.

@@ -29,8 +29,8 @@ pub mod prelude {
     };
     pub use crate::ports::Meaning;
     pub use crate::units::{
-        Degrees, Discharge, FilePath, Hours, Metres, MetresPerSecond, MillimetresPerHour, Number, PerMetre, Ratio,
-        Seconds, Seed, SquareMetres, Years,
+        Degrees, Discharge, FilePath, Hours, Metres, MetresPerSecond, MillimetresPerHour, Number, PerMetre,
+        Ratio, Seconds, Seed, SquareMetres, Years,
     };
     pub use crate::value::{
         Colors, Constraints, Curves, Field, Grid, Object, Quantity, Raster, Ridges, Rivers, Terrain, Value,

@@ -125,7 +125,11 @@ impl Shared {
     ) -> Result<Option<Evaluated>, Stopped> {
         let frame = Frame { scene, graph, is_draft, cancel };
         let state = |value: Value| self.show_state(&frame, value);
-        let watched = (!is_draft).then_some(Watched { node: scene.target.node, port: &scene.target.port, take: &state });
+        let watched = (!is_draft).then_some(Watched {
+            node: scene.target.node,
+            port: &scene.target.port,
+            take: &state,
+        });
         let wants = wants(scene, grid);
         let Some(evaluated) = self.evaluate(engine, order, graph, &wants, scene, watched, cancel)? else {
             return Ok(None);

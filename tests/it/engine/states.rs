@@ -48,7 +48,10 @@ fn each_level_of_erosion_is_a_state() {
         assert!(columns.first() == Some(&65) && columns.last() == Some(&base), "{kind}: {columns:?}");
         assert!(columns.windows(2).all(|pair| pair[0] < pair[1]), "{kind}: {columns:?}");
         let unseen = engine(2).evaluate(&g, &wants, &Unobserved, &Cancel::default()).unwrap();
-        assert!(seen.values[0].as_ref().unwrap() == unseen.values[0].as_ref().unwrap(), "{kind}: another result");
+        assert!(
+            seen.values[0].as_ref().unwrap() == unseen.values[0].as_ref().unwrap(),
+            "{kind}: another result"
+        );
         // Who looks at another output sees nothing, and what is in memory has no state.
         let other = Look("wear", Mutex::default());
         let e = engine(2);

@@ -46,7 +46,10 @@ fn hold(name: &str, site: Site, settings: &Settings, steps: usize) -> State {
         assert!(off.abs() <= 1e-6 * moved + 1e-9, "{name}, step {step}: {off} m of solid, {moved} moved");
         let gone = (account.evaporated + account.drowned + account.water_left - account.rained) / area;
         let off = wet + gone - water;
-        assert!(off.abs() <= 1e-6 * through + 1e-9, "{name}, step {step}: {off} m of water, {through} came and went");
+        assert!(
+            off.abs() <= 1e-6 * through + 1e-9,
+            "{name}, step {step}: {off} m of water, {through} came and went"
+        );
         let state = run.state();
         for k in 0..run.site().len() {
             let depth = (run.site().filled[k] - run.site().height[k]) + state.water[k];
@@ -84,8 +87,9 @@ fn an_island_loses_nothing_but_what_leaves() {
 #[test]
 fn hostile_land_is_finite_and_balanced() {
     let settings = Settings::default();
-    let steep: Vec<f32> =
-        (0..41 * 41).map(|k| (4424.0 + 4000.0 * fractal(3, 20.0, [(k % 41) as f64, (k / 41) as f64])) as f32).collect();
+    let steep: Vec<f32> = (0..41 * 41)
+        .map(|k| (4424.0 + 4000.0 * fractal(3, 20.0, [(k % 41) as f64, (k / 41) as f64])) as f32)
+        .collect();
     let mut storm = site(41, 30.0, steep.clone(), 1000.0, false);
     hold("steep", storm.clone(), &settings, 200);
     storm.cell = 0.1;

@@ -112,7 +112,8 @@ fn neither_solid_nor_water_is_lost_between_levels() {
 #[test]
 fn a_finer_base_shows_the_same_valleys() {
     let settings = Settings { hours: 2.0, rock_erodibility: 0.004, capacity: 40.0, ..Settings::default() };
-    let [coarse, fine] = [129, 257].map(|n| (land(n), n)).map(|(height, n)| (rain(&height, &settings, |_| ()), height, n));
+    let [coarse, fine] =
+        [129, 257].map(|n| (land(n), n)).map(|(height, n)| (rain(&height, &settings, |_| ()), height, n));
     let mut both = Vec::new();
     let relief = 500.0;
     for j in 0..129 {
@@ -172,7 +173,10 @@ fn each_input_acts_as_it_says() {
     let hot = rain(&height, &dry, |land| land.temperature = Some(&warm));
     assert!(frozen.height == all_day.height, "frost takes no water");
     let on_land = |done: &Eroded| {
-        (0..grid.len()).filter(|k| height.data()[*k] > 1.0).map(|k| f64::from(done.water.flow[k])).sum::<f64>()
+        (0..grid.len())
+            .filter(|k| height.data()[*k] > 1.0)
+            .map(|k| f64::from(done.water.flow[k]))
+            .sum::<f64>()
     };
     assert!(on_land(&hot) < 0.7 * on_land(&all_day), "{} of {}", on_land(&hot), on_land(&all_day));
     // Bounds hold, but for detail that fades.
@@ -188,16 +192,22 @@ fn a_spring_alone_cuts_a_valley_below_it() {
     let grid = grid(257, 129, 5120.0);
     let height = field(grid, |[x, y]| 400.0 - 0.06 * x + 0.00002 * (y - 1280.0).powi(2));
     // Between the points of all levels but the base.
-    let springs = field(grid, |[x, y]| if (x - 1020.0).abs() < 15.0 && (y - 1300.0).abs() < 15.0 { 1.0 } else { 0.0 });
+    let springs =
+        field(grid, |[x, y]| if (x - 1020.0).abs() < 15.0 && (y - 1300.0).abs() < 15.0 { 1.0 } else { 0.0 });
     let settings = Settings { rain: 0.0, hours: 9.0, source_discharge: 80.0, ..Settings::default() };
     let done = rain(&height, &settings, |land| (land.sources, land.sea) = (Some(&springs), None));
     let cell = |x: usize, y: usize| y * 257 + x;
     let deepest = |x: usize| (0..129).map(|y| -done.deposit[cell(x, y)]).fold(0.0f32, f32::max);
     assert!((20..40).all(|x| deepest(x) < 0.01), "the land above the spring stays");
     let cut: Vec<_> = (70..240).map(deepest).collect();
-    println!("cut {:.1} to {:.1} m", cut.iter().fold(1e9f32, |a, b| a.min(*b)), cut.iter().fold(0.0f32, |a, b| a.max(*b)));
+    println!(
+        "cut {:.1} to {:.1} m",
+        cut.iter().fold(1e9f32, |a, b| a.min(*b)),
+        cut.iter().fold(0.0f32, |a, b| a.max(*b))
+    );
     assert!(cut.iter().all(|cut| *cut > 0.5), "a valley all the way down: {cut:?}");
-    let through: f32 = (0..129).map(|y| done.water.velocity[cell(200, y)][0] * done.water.depth[cell(200, y)] * 20.0).sum();
+    let through: f32 =
+        (0..129).map(|y| done.water.velocity[cell(200, y)][0] * done.water.depth[cell(200, y)] * 20.0).sum();
     assert!((through / 80.0 - 1.0).abs() < 0.2, "{through} of 80 m³/s pass");
 }
 
@@ -205,13 +215,16 @@ fn a_spring_alone_cuts_a_valley_below_it() {
 fn hostile_land_is_finite_or_stays() {
     let settings = Settings { hours: 0.2, ..Settings::default() };
     let wild = |[x, y]: [f64; 2]| 4424.0 * (1.0 + libm::sin(x * 0.013) * libm::cos(y * 0.017));
-    for (cols, rows, span) in [(3, 3, 2000.0), (1, 1, 100.0), (2, 70, 6900.0), (65, 33, 6.4), (65, 40, 64_000.0)] {
+    for (cols, rows, span) in
+        [(3, 3, 2000.0), (1, 1, 100.0), (2, 70, 6900.0), (65, 33, 6.4), (65, 40, 64_000.0)]
+    {
         let height = field(grid(cols, rows, span), wild);
         let negative = field(*height.grid(), |_| -3.0);
         for sea in [None, Some(1e4), Some(4000.0)] {
             let storm = Settings { rain: 1000.0, ..settings };
             let done = rain(&height, &storm, |land| (land.sea, land.loose) = (sea, Some(&negative)));
-            let all = [&done.height, &done.loose, &done.wear, &done.deposit, &done.water.depth, &done.water.flow];
+            let all =
+                [&done.height, &done.loose, &done.wear, &done.deposit, &done.water.depth, &done.water.flow];
             assert!(all.iter().all(|values| values.iter().all(|v| v.is_finite())), "{cols} {rows} {sea:?}");
             if sea == Some(1e4) && span > 100.0 {
                 assert!(done.wear.iter().all(|w| *w == 0.0) || span < 10_000.0, "the sea is everywhere");
@@ -219,6 +232,7 @@ fn hostile_land_is_finite_or_stays() {
         }
     }
     let flat = field(grid(70, 70, 2000.0), |_| 100.0);
-    let done = rain(&flat, &Settings { rain: 1000.0, border: Border::Closed, ..settings }, |land| land.sea = None);
+    let done =
+        rain(&flat, &Settings { rain: 1000.0, border: Border::Closed, ..settings }, |land| land.sea = None);
     assert!(done.height == flat.data(), "flat land without an outlet stays");
 }

@@ -9,8 +9,13 @@ fn half_the_step_changes_little() {
     let land = site(n, cell, island(n, 700.0, 6), 54.0, true);
     let mut last: Option<Vec<f32>> = None;
     for courant in [0.7, 0.35, 0.175, 0.09] {
-        let settings =
-            Settings { courant, capacity: 30.0, rock_erodibility: 0.004, loose_erodibility: 0.02, ..Settings::default() };
+        let settings = Settings {
+            courant,
+            capacity: 30.0,
+            rock_erodibility: 0.004,
+            loose_erodibility: 0.02,
+            ..Settings::default()
+        };
         let steps = (seconds / settings.longest_step(cell)).round() as usize;
         let run = run(land.clone(), &settings, steps);
         let change: Vec<f32> = (0..n * n).map(|k| run.state().change(run.site(), k)).collect();

@@ -43,9 +43,12 @@ fn mirrored_and_turned_land_erodes_to_the_same_bits() {
         site.before = land.before.as_ref().map(|before| moved(before, to));
         let turned = run(site, &settings, 250);
         let (a, b) = (straight.state(), turned.state());
-        for (what, a, b) in
-            [("wear", &a.wear, &b.wear), ("loose", &a.loose, &b.loose), ("water", &a.water, &b.water), ("load", &a.load, &b.load)]
-        {
+        for (what, a, b) in [
+            ("wear", &a.wear, &b.wear),
+            ("loose", &a.loose, &b.loose),
+            ("water", &a.water, &b.water),
+            ("load", &a.load, &b.load),
+        ] {
             assert!(moved(a, to) == *b, "{name}: {what} differs");
         }
     }

@@ -71,8 +71,8 @@ pub struct Picture<'a> {
 fn times(ladder: &Ladder, settings: &Settings) -> Vec<(f64, usize)> {
     // What is left after a level depends on its cells alone, so that a coarse base has the rain that a finer one has there.
     let left = |level: &Level| {
-        let above = (f64::from(level.across()) / f64::from(COARSEST)).max(1.0).log2();
-        LEFT.powf(above + 1.0)
+        let above = libm::log2((f64::from(level.across()) / f64::from(COARSEST)).max(1.0));
+        libm::pow(LEFT, above + 1.0)
     };
     let mut before = 1.0;
     let rain = |level: &Level| {
@@ -88,9 +88,9 @@ fn times(ladder: &Ladder, settings: &Settings) -> Vec<(f64, usize)> {
 pub fn cell_steps(base: &Level, settings: &Settings) -> f64 {
     let ladder = Ladder::new(&base.grid, settings.feature);
     let times = times(&ladder, settings);
-    let all: f64 =
-        (ladder.levels().iter().zip(&times)).map(|(level, (_, n))| (level.grid.len() * n) as f64).sum();
-    all + times.last().map_or(0.0, |(_, n)| RECESSION * (n * base.grid.len()) as f64)
+    let cells = |level: &Level| level.grid.len() as f64;
+    let all: f64 = ladder.levels().iter().zip(&times).map(|(level, (_, n))| cells(level) * *n as f64).sum();
+    all + times.last().map_or(0.0, |(_, n)| RECESSION * *n as f64 * cells(base))
 }
 
 /// Lets rain fall on land.
@@ -111,43 +111,18 @@ pub fn erode(
     for (k, (level, (seconds, steps))) in levels.iter().zip(times).enumerate() {
         let is_last = k + 1 == levels.len();
         let rest = if is_last { libm::ceil(RECESSION * steps as f64) as usize } else { 0 };
-        let share = ((steps + rest) * level.grid.len()) as f64 / total;
+        let share = (steps + rest) as f64 * level.grid.len() as f64 / total;
         let stage = work.stage(done as f32, (done + share).min(1.0) as f32);
         done += share;
         let quiet = stage.quiet();
         let climate = Climate::new(settings, level, land.moisture, land.sources, &quiet)?;
         let mut site = site(land, settings, level, &climate, &quiet)?;
-        let state = match below.take() {
-            Some((from, below, coarse)) => {
-                let from = Coarse { level: from, site: &below, state: &coarse };
-                let mut state = refine::ground(from, level, &mut site, settings, &quiet)?;
-                fill(&mut site, settings, &quiet)?;
-                let (water, more) = refine::water(from, level, &site, &state, &quiet)?;
-                account.refined += more;
-                state.water = water;
-                state
-            }
-            None => {
-                fill(&mut site, settings, &quiet)?;
-                State::of(&site)
-            }
-        };
+        let state = start(below.take(), level, &mut site, settings, &mut account, &quiet)?;
         let dt = if steps > 0 { seconds / steps as f64 } else { 1.0 };
         let mut run = Run::new(site, state, settings, dt);
         let all = (steps + rest).max(1) as f32;
-        let mut slot = None;
-        let mut gauge = Gauge::new(if is_last { steps } else { 0 });
-        for n in 0..steps {
-            let now = climate.slot(elapsed + n as f64 * dt);
-            if slot.replace(now) != Some(now) {
-                run.rain(Some(climate.falling(now, &quiet)?));
-            }
-            run.step(&quiet)?;
-            gauge.read(n, &run);
-            stage.report((n + 1) as f32 / all);
-        }
+        let water = pour(&mut run, &climate, elapsed, [steps, rest], &stage.stage(0.0, steps as f32 / all))?;
         elapsed += seconds;
-        let water = if is_last { gauge.water(&run) } else { Water::default() };
         run.rain(None);
         for n in 0..rest {
             run.step(&quiet)?;
@@ -163,6 +138,53 @@ pub fn erode(
         below = Some((level, site, state));
     }
     unreachable!("a ladder has a level")
+}
+
+/// The state at the start of a level: that of the coarser one, or the input.
+fn start(
+    below: Option<(&Level, Site, State)>,
+    level: &Level,
+    site: &mut Site,
+    settings: &Settings,
+    account: &mut Account,
+    work: &Work<'_>,
+) -> Result<State, Cancelled> {
+    let Some((from, below, coarse)) = below else {
+        fill(site, settings, work)?;
+        return Ok(State::of(site));
+    };
+    let from = Coarse { level: from, site: &below, state: &coarse };
+    let mut state = refine::ground(from, level, site, settings, work)?;
+    fill(site, settings, work)?;
+    let (water, more) = refine::water(from, level, site, &state, work)?;
+    account.refined += more;
+    state.water = water;
+    Ok(state)
+}
+
+/// Rains for so many steps from a time on; the mean of the water where so many steps of rest follow, nothing where none do.
+fn pour(
+    run: &mut Run,
+    climate: &Climate<'_>,
+    elapsed: f64,
+    [steps, rest]: [usize; 2],
+    work: &Work<'_>,
+) -> Result<Water, Cancelled> {
+    let (quiet, dt) = (work.quiet(), run.dt());
+    let mut slot = None;
+    let mut gauge = (rest > 0 || steps == 0).then(|| Gauge::new(steps));
+    for n in 0..steps {
+        let now = climate.slot(elapsed + n as f64 * dt);
+        if slot.replace(now) != Some(now) {
+            run.rain(Some(climate.falling(now, &quiet)?));
+        }
+        run.step(&quiet)?;
+        if let Some(gauge) = &mut gauge {
+            gauge.read(n, run);
+        }
+        work.report((n + 1) as f32 / steps as f32);
+    }
+    Ok(gauge.map(|gauge| gauge.water(run)).unwrap_or_default())
 }
 
 /// What a level is given.
