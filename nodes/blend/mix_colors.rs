@@ -44,9 +44,9 @@ ports! {
 impl Node for MixColors {
     type In = Inputs;
     type Out = Outputs;
-    const META: Meta = Meta::new().cite(&["ottosson2020"]).keywords(&[
-        "color", "colour", "blend", "layer", "texture", "material", "splat",
-    ]);
+    const META: Meta = Meta::new()
+        .cite(&["ottosson2020"])
+        .keywords(&["color", "colour", "blend", "layer", "texture", "material", "splat"]);
 
     fn reach(&self) -> Reach {
         Reach::Point

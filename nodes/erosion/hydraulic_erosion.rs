@@ -174,18 +174,8 @@ impl Node for HydraulicErosion {
     const META: Meta = Meta::new()
         .cite(&["weiss2015", "bates2010", "mei2007"])
         .keywords(&[
-            "rain",
-            "water",
-            "river",
-            "valley",
-            "gully",
-            "fan",
-            "delta",
-            "sediment",
-            "erode",
-            "flood",
-            "canyon",
-            "fluvial",
+            "rain", "water", "river", "valley", "gully", "fan", "delta", "sediment", "erode", "flood",
+            "canyon", "fluvial",
         ])
         .reads(Reads::TERRAIN.and(Reads::SEED))
         .carries(&[("height", "height")]);
@@ -208,7 +198,8 @@ impl Node for HydraulicErosion {
         let crop = |field: Option<Field>| field.map(|field| field.crop(&cx.grid));
         let quantity = input.height.quantity();
         let height = input.height.crop(&cx.grid);
-        let (moisture, sources, temperature) = (crop(input.moisture), crop(input.sources), crop(input.temperature));
+        let (moisture, sources, temperature) =
+            (crop(input.moisture), crop(input.sources), crop(input.temperature));
         let (hardness, loose, mask) = (crop(input.hardness), crop(input.loose), crop(input.mask));
         let land = Land {
             height: &height,

@@ -164,7 +164,9 @@ impl Node for StreamPower {
             base: &base,
         };
         let mut on_level = |picture: stream_power::Picture<'_>| {
-            cx.show("height", || Field::new(picture.level.grid, Quantity::Elevation, picture.height.to_vec()));
+            cx.show("height", || {
+                Field::new(picture.level.grid, Quantity::Elevation, picture.height.to_vec())
+            });
         };
         let done = stream_power::erode(&land, &self.settings(cx)?, &mut on_level, &cx.work.stage(0.0, 0.97))?;
         let field = |quantity, data| Field::new(cx.grid, quantity, data);
