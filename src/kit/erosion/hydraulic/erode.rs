@@ -159,6 +159,7 @@ fn start(
     let (water, more) = refine::water(from, level, site, &state, work)?;
     account.refined += more;
     state.water = water;
+    state.flow = refine::flow(from, level, work)?;
     Ok(state)
 }
 

@@ -2,14 +2,14 @@
 //!
 //! Ground and load are carried by a smooth curve, within their bounds, and none is made or lost (see
 //! [`prolong`](crate::kit::erosion::prolong)). Water is carried by its surface where it is deep, so that lakes stay level,
-//! and by its depth where it is a film; the difference is told. Flow begins anew: friction sets it within seconds.
+//! and by its depth where it is a film; the difference is told. Flow goes on in the direction that it had.
 //!
 //! The input of the finer level has detail that the coarser one did not know. Where that cut or filled, the detail fades: a
 //! valley floor that was laid down has no bumps of the old land. What bumps lose fills the hollows, so that nothing is lost.
 
 use super::{Settings, Site, State};
 use crate::kit::erosion::ladder::Level;
-use crate::kit::erosion::prolong::{Least, Rule, cap, prolong, sum};
+use crate::kit::erosion::prolong::{Curve, Least, Rule, cap, prolong, sum};
 use crate::work::{Cancelled, Work};
 
 /// Depth in metres from which water is carried by its surface.
@@ -141,6 +141,38 @@ pub(super) fn water(
     let volume = |values: &[f32], level: &Level| sum(values, |depth| depth) * level.cell_area();
     let more = volume(&water, level) - volume(&from.state.water, from.level);
     Ok((water, more))
+}
+
+/// Flow over the edges of the finer level, so that water goes on where it went: its vectors between the points of the coarser
+/// one, along each edge.
+pub(super) fn flow(from: Coarse<'_>, level: &Level, work: &Work<'_>) -> Result<[Vec<f32>; 4], Cancelled> {
+    let vectors: Vec<[f32; 2]> =
+        (0..from.site.len()).map(|cell| from.state.vector(from.site, cell)).collect();
+    let rule = Rule { curve: Curve::Straight, ..Rule::CHANGE };
+    let carried = |axis: usize| {
+        let along: Vec<f32> = vectors.iter().map(|vector| vector[axis]).collect();
+        Ok(prolong([from.level, level], &along, &rule, work)?.values)
+    };
+    let (x, y) = (carried(0)?, carried(1)?);
+    let (cols, rows) = (level.grid.cols, level.grid.rows);
+    let diagonal = std::f32::consts::FRAC_1_SQRT_2;
+    let edges = |step: [isize; 2], unit: [f32; 2]| {
+        level.fill(work, |j, out| {
+            for (i, out) in out.iter_mut().enumerate() {
+                let there = [i.wrapping_add_signed(step[0]), j.wrapping_add_signed(step[1])];
+                if there[0] < cols && there[1] < rows {
+                    let (a, b) = (j * cols + i, there[1] * cols + there[0]);
+                    *out = 0.5 * ((x[a] + x[b]) * unit[0] + (y[a] + y[b]) * unit[1]);
+                }
+            }
+        })
+    };
+    Ok([
+        edges([1, 0], [1.0, 0.0])?,
+        edges([0, 1], [0.0, 1.0])?,
+        edges([1, 1], [diagonal, diagonal])?,
+        edges([-1, 1], [-diagonal, diagonal])?,
+    ])
 }
 
 /// Points of a coarser level around those of a finer one.
