@@ -95,7 +95,8 @@ fn neither_solid_nor_water_is_lost_between_levels() {
         let loose = field(*height.grid(), |[x, y]| ((x + y) / 2000.0).rem_euclid(3.0));
         let done = rain(&height, &settings, |land| land.loose = Some(&loose));
         let grid = height.grid();
-        let moved: f64 = done.deposit.iter().map(|d| f64::from(d.abs())).sum::<f64>() * grid.cell().powi(2);
+        let moved: f64 =
+            done.deposit.iter().map(|d| f64::from(d.abs())).sum::<f64>() * grid.cell() * grid.cell();
         let off = volume(&done.deposit, grid) + done.carried + done.account.solid_left;
         println!("{n}: {off:.3e} m3 of {moved:.3e}, {:.2} in the water", done.carried / moved);
         assert!(off.abs() < 1e-6 * moved, "{n}: {off} m³ of {moved} m³");
@@ -127,7 +128,7 @@ fn a_finer_base_shows_the_same_valleys() {
     }
     let mean = |of: &dyn Fn(&[f64; 2]) -> f64| both.iter().map(of).sum::<f64>() / both.len() as f64;
     let (a, b) = (mean(&|p| p[0]), mean(&|p| p[1]));
-    let (va, vb) = (mean(&|p| (p[0] - a).powi(2)), mean(&|p| (p[1] - b).powi(2)));
+    let (va, vb) = (mean(&|p| (p[0] - a) * (p[0] - a)), mean(&|p| (p[1] - b) * (p[1] - b)));
     let correlation = mean(&|p| (p[0] - a) * (p[1] - b)) / (va * vb).sqrt();
     let mut off: Vec<f64> = both.iter().map(|p| (p[0] - p[1]).abs()).collect();
     off.sort_by(f64::total_cmp);
@@ -190,7 +191,7 @@ fn each_input_acts_as_it_says() {
 #[test]
 fn a_spring_alone_cuts_a_valley_below_it() {
     let grid = grid(257, 129, 5120.0);
-    let height = field(grid, |[x, y]| 400.0 - 0.06 * x + 0.00002 * (y - 1280.0).powi(2));
+    let height = field(grid, |[x, y]| 400.0 - 0.06 * x + 0.00002 * (y - 1280.0) * (y - 1280.0));
     // Between the points of all levels but the base.
     let springs =
         field(grid, |[x, y]| if (x - 1020.0).abs() < 15.0 && (y - 1300.0).abs() < 15.0 { 1.0 } else { 0.0 });

@@ -9,7 +9,7 @@ fn a_full_lake_is_level_to_a_millimetre() {
     let bowl = |k: usize| {
         let [x, y] = [(k % n) as f64 - 32.0, (k / n) as f64 - 32.0];
         let r = (x * x + y * y).sqrt();
-        let rim = if r < 26.0 { -400.0 * (1.0 - (r / 26.0).powi(2)) } else { 2.0 * (28.0 - r).min(0.0) };
+        let rim = if r < 26.0 { -400.0 * (1.0 - r * r / 676.0) } else { 2.0 * (28.0 - r).min(0.0) };
         let notch = if x > 0.0 && y.abs() < 1.5 { 4.0 } else { 0.0 };
         (2000.0 + rim - if r > 20.0 { notch } else { 0.0 }) as f32
     };
@@ -24,7 +24,7 @@ fn a_full_lake_is_level_to_a_millimetre() {
     let run = run(site, &still(), 1500);
     let (site, state) = (run.site(), run.state());
     let deep: Vec<_> = (0..n * n).filter(|&k| state.depth(site, k) > 20.0).collect();
-    let above = |&k: &usize| f64::from(site.filled[k] - level as f32) + f64::from(state.water[k]);
+    let above = |&k: &usize| f64::from(site.filled[k] - level) + f64::from(state.water[k]);
     let low = deep.iter().map(above).fold(f64::INFINITY, f64::min);
     let high = deep.iter().map(above).fold(f64::NEG_INFINITY, f64::max);
     println!("{} cells from {low} to {high} m over the level", deep.len());

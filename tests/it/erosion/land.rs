@@ -17,7 +17,11 @@ pub(super) fn noise(seed: u64, wavelength: f64, [x, y]: [f64; 2]) -> f64 {
 
 /// Noise of many wavelengths, the longest in cells, −1 to 1 or so.
 pub(super) fn fractal(seed: u64, longest: f64, at: [f64; 2]) -> f64 {
-    (0..7).map(|k| noise(seed + k, longest * 0.5f64.powi(k as i32), at) * 0.5f64.powi(k as i32)).sum()
+    let octave = |k: u32| {
+        let part = 1.0 / f64::from(1 << k);
+        noise(seed + u64::from(k), longest * part, at) * part
+    };
+    (0..7).map(octave).sum()
 }
 
 /// Heights of an island of so many samples across.
@@ -25,7 +29,8 @@ pub(super) fn island(n: usize, relief: f64, seed: u64) -> Vec<f32> {
     let half = (n - 1) as f64 / 2.0;
     let height = |k: usize| {
         let [x, y] = [(k % n) as f64, (k / n) as f64];
-        let far = ((x - half) / half).powi(2) + ((y - half) / half).powi(2);
+        let (u, v) = ((x - half) / half, (y - half) / half);
+        let far = u * u + v * v;
         (0.62 - far + 0.5 * fractal(seed, half / 1.6, [x, y])) * relief
     };
     (0..n * n).map(|k| height(k) as f32).collect()

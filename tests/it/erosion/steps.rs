@@ -22,7 +22,7 @@ fn half_the_step_changes_little() {
         if let Some(last) = last {
             let rms = |of: &dyn Fn(usize) -> f32| {
                 let on_land = (0..n * n).filter(|k| land.height[*k] > 0.0);
-                let squares: Vec<f64> = on_land.map(|k| f64::from(of(k)).powi(2)).collect();
+                let squares: Vec<f64> = on_land.map(|k| f64::from(of(k)) * f64::from(of(k))).collect();
                 (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
             };
             let (off, moved) = (rms(&|k| change[k] - last[k]), rms(&|k| change[k]));

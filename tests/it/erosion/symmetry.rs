@@ -11,9 +11,9 @@ const N: usize = 65;
 /// Where each cell goes when the land is mirrored or turned.
 fn moved(values: &[f32], to: impl Fn([usize; 2]) -> [usize; 2]) -> Vec<f32> {
     let mut out = vec![0.0; N * N];
-    for k in 0..N * N {
+    for (k, &value) in values.iter().enumerate() {
         let [i, j] = to([k % N, k / N]);
-        out[j * N + i] = values[k];
+        out[j * N + i] = value;
     }
     out
 }
@@ -24,12 +24,15 @@ fn land() -> Site {
     site
 }
 
+/// Where a column and row go on land whose last column and row have a number.
+type Way = fn([usize; 2], usize) -> [usize; 2];
+
 #[test]
 fn mirrored_and_turned_land_erodes_to_the_same_bits() {
     let settings = Settings { hardening: 5.0, ..Settings::default() };
     let (land, last) = (land(), N - 1);
     let straight = run(land.clone(), &settings, 250);
-    let ways: [(&str, fn([usize; 2], usize) -> [usize; 2]); 4] = [
+    let ways: [(&str, Way); 4] = [
         ("mirrored east to west", |[i, j], last| [last - i, j]),
         ("mirrored north to south", |[i, j], last| [i, last - j]),
         ("mirrored along the diagonal", |[i, j], _| [j, i]),
